@@ -1,0 +1,120 @@
+// The whole job on a document in memory: animations of glTF into clip sets and back, with the error bound measured on the real bytes.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "gltf/asset.h"
+#include "gltf/document.h"
+#include "gltf/edit.h"
+#include "motion/error.h"
+#include "motion/skeleton.h"
+
+namespace nmc::codec {
+
+/// The error that a user accepts.
+struct Tolerance {
+  enum class Unit { fraction_of_size, world_units };
+  double value = 0.001;
+  Unit unit = Unit::fraction_of_size;
+};
+
+enum class Profile {
+  standard,  ///< the smallest bytes that keep the tolerance on joints and skin
+  paper,     ///< Tojo, Chen and Umetani 2022 as published: float32 weights, Algorithm 1, the tolerance on joints alone
+};
+
+struct CompressOptions {
+  Profile profile = Profile::standard;
+  Tolerance tolerance;
+  int max_frequencies = 40;      ///< paper profile: the largest K of Algorithm 1
+  int effort = 5;                ///< standard profile: 1 (fast) to 9 (thorough)
+  double time_limit_seconds = 0; ///< 0: none
+  int threads = 0;               ///< 0: all
+  gltf::Requirement requirement = gltf::Requirement::required;
+  std::vector<std::string> exclude;  ///< names of animations that stay as they are
+  Progress progress;
+};
+
+/// What became of one animation.
+enum class Outcome {
+  compressed,
+  kept_over_tolerance,  ///< the profile did not reach the tolerance within its limits
+  kept_larger,          ///< it would have become larger than it was
+  kept_nothing_to_take, ///< no channel that the codec takes, or excluded by the user
+};
+
+struct ClipResult {
+  int animation = 0;
+  std::string name;
+  Outcome outcome = Outcome::kept_nothing_to_take;
+  std::string reason;            ///< a clause for the table where the outcome is not `compressed`
+  std::size_t frames = 0;        ///< samples of the clip
+  std::size_t joints = 0;        ///< nodes that the clip animates
+  double duration_seconds = 0;
+  std::size_t keys_before = 0;   ///< bytes of unique key data; shared data is split evenly among its users
+  std::size_t json_before = 0;   ///< bytes of minified JSON of the animation, its accessors and bufferViews
+  std::size_t keys_after = 0;
+  std::size_t json_after = 0;
+  int frequencies = 0;           ///< largest number of frequencies that a pose uses
+  motion::ErrorReport error;     ///< of the decoded bytes against the original; zero where the animation is kept
+  double seconds = 0;            ///< time spent on it
+};
+
+struct CompressResult {
+  gltf::Document document;
+  std::vector<ClipResult> clips;   ///< one per animation, in the file's order
+  std::vector<std::string> notes;  ///< sentences for the user
+  double size = 1;                 ///< the character's size in world units
+  double tolerance = 0;            ///< in world units
+};
+
+/// Compresses the animations of a document. Throws Error as the readers do.
+CompressResult compress(const gltf::Document& document, const CompressOptions& options);
+
+/// Decodes the extension back to core channels. Returns the new document; one without the extension comes back as it is.
+gltf::Document expand(const gltf::Document& document);
+
+/// The skeleton of a read asset.
+motion::Skeleton make_skeleton(const gltf::Asset& asset);
+
+/// All animations of a document as curves, compressed ones decoded; channels that are no node curves are left out.
+std::vector<Animation> all_animations(const gltf::Document& document, const gltf::Asset& asset);
+
+/// The comparison of two files, animation by animation (matched by name, else by index).
+struct VerifiedClip {
+  std::string name;
+  motion::ErrorReport error;
+};
+struct Verification {
+  double size = 1;
+  std::vector<VerifiedClip> clips;
+};
+/// Throws Error (invalid_input) when the documents have different nodes or animations.
+Verification verify(const gltf::Document& original, const gltf::Document& other);
+
+/// What is inside a compressed document.
+struct InspectedClip {
+  int animation = 0;
+  std::string name;
+  std::size_t frames = 0;
+  double duration_seconds = 0;
+  std::vector<int> frequencies;  ///< half cycles per clip (paper profile) or the highest used index of each window
+  std::size_t nonzero_weights = 0;
+};
+struct InspectedPart {
+  std::string name;   ///< "header", "references", "times", "network", "weights", ...
+  std::size_t bits = 0;
+};
+struct InspectedSet {
+  std::size_t stream_bytes = 0;
+  std::size_t targets = 0;
+  std::string model;  ///< one line: what kind of model and why it was chosen
+  std::vector<InspectedPart> parts;
+  std::vector<InspectedClip> clips;
+};
+std::vector<InspectedSet> inspect(const gltf::Document& document);
+
+}  // namespace nmc::codec
