@@ -1,0 +1,50 @@
+// The list of sample files and how each is put together.
+#include "samples/characters.h"
+
+#include <stdexcept>
+
+#include "samples/export.h"
+#include "samples/humanoid.h"
+
+namespace nmc::samples {
+namespace {
+
+std::vector<std::uint8_t> make_humanoid(RestStyle style, double frames_per_second,
+                                        const std::vector<std::string>& clip_names, const ExportOptions& options) {
+  const Rig rig = humanoid_rig(style);
+  std::vector<PoseClip> clips;
+  for (const std::string& name : clip_names) clips.push_back(humanoid_clip(rig, name, frames_per_second));
+  return export_character(rig, humanoid_mesh(rig), clips, options);
+}
+
+struct Recipe {
+  CharacterInfo info;
+  std::vector<std::uint8_t> (*make)();
+};
+
+const std::vector<Recipe>& recipes() {
+  static const std::vector<Recipe> all = {
+      {{"humanoid_30hz.glb", "human figure, 52 joints, all clips at 30 Hz"},
+       [] {
+         return make_humanoid(RestStyle::along_bone, 30.0, humanoid_clip_names(), {"Humanoid", false, false});
+       }},
+  };
+  return all;
+}
+
+}  // namespace
+
+std::vector<CharacterInfo> list_characters() {
+  std::vector<CharacterInfo> result;
+  for (const Recipe& recipe : recipes()) result.push_back(recipe.info);
+  return result;
+}
+
+std::vector<std::uint8_t> make_character(std::string_view file_name) {
+  for (const Recipe& recipe : recipes()) {
+    if (recipe.info.file_name == file_name) return recipe.make();
+  }
+  throw std::invalid_argument("there is no sample character named " + std::string(file_name));
+}
+
+}  // namespace nmc::samples
