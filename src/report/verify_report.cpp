@@ -1,0 +1,85 @@
+#include "report/verify_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "report/compress_report.h"
+#include "report/format.h"
+#include "report/table.h"
+
+namespace nmc::report {
+namespace {
+
+using codec::Verification;
+using codec::VerifiedClip;
+
+std::string with_share(double length, double size) {
+  return fmt::format("{} {}", format_percent(length / size), format_length(length));
+}
+
+}  // namespace
+
+bool holds(const motion::ErrorReport& error, const VerifyContext& context) {
+  return (context.joints_alone ? error.max_joint : error.max) <= context.tolerance;
+}
+
+bool holds(const Verification& result, const VerifyContext& context) {
+  return std::all_of(result.clips.begin(), result.clips.end(),
+                     [&](const VerifiedClip& c) { return holds(c.error, context); });
+}
+
+std::string verify_text(const Verification& result, const VerifyContext& context) {
+  std::string out = fmt::format("{} against {}\n", printable(context.other), printable(context.original));
+  if (!result.clips.empty()) {
+    Table table({{"animation", Align::left},
+                 {"max error"},
+                 {"max joint error"},
+                 {"mean error"},
+                 {"99%"},
+                 {"rotation"},
+                 {"jitter"},
+                 {"loop seam"},
+                 {"worst joint", Align::left},
+                 {"at"},
+                 {"holds", Align::left}});
+    for (const VerifiedClip& clip : result.clips) {
+      const motion::ErrorReport& e = clip.error;
+      table.add_row({clip.name, with_share(e.max, result.size), with_share(e.max_joint, result.size),
+                     with_share(e.mean, result.size), format_percent(e.percentile_99 / result.size),
+                     fmt::format("{:.3g} deg", e.max_rotation_degrees), format_length(e.jitter),
+                     format_length(e.loop_seam), node_label(context.node_names, e.max_node),
+                     format_seconds(e.max_seconds), holds(e, context) ? "yes" : "NO"});
+    }
+    out += fmt::format("\n{}\n", table.text());
+  }
+  const auto over =
+      std::count_if(result.clips.begin(), result.clips.end(), [&](const auto& c) { return !holds(c.error, context); });
+  const std::string bound =
+      fmt::format("the tolerance {} = {} of the character's size ({}){}", format_length(context.tolerance),
+                  format_percent(context.tolerance / result.size), format_length(result.size),
+                  context.joints_alone ? ", on joints alone," : "");
+  if (over == 0) return out + fmt::format("{} holds for all {} animations\n", bound, result.clips.size());
+  return out + fmt::format("{} does not hold for {} of {} animations\n", bound, over, result.clips.size());
+}
+
+nlohmann::ordered_json verify_json(const Verification& result, const VerifyContext& context) {
+  nlohmann::ordered_json json{{"command", "verify"},
+                              {"version", context.version},
+                              {"original", context.original},
+                              {"file", context.other},
+                              {"size_world_units", result.size},
+                              {"tolerance_world_units", context.tolerance},
+                              {"tolerance_fraction_of_size", context.tolerance / result.size},
+                              {"joints_alone", context.joints_alone},
+                              {"holds", holds(result, context)}};
+  json["animations"] = nlohmann::ordered_json::array();
+  for (const VerifiedClip& clip : result.clips) {
+    nlohmann::ordered_json row{{"name", clip.name}, {"holds", holds(clip.error, context)}};
+    row["error"] = error_json(clip.error, result.size, context.node_names);
+    json["animations"].push_back(std::move(row));
+  }
+  return json;
+}
+
+}  // namespace nmc::report
