@@ -28,6 +28,17 @@ const std::vector<Recipe>& recipes() {
        [] {
          return make_humanoid(RestStyle::along_bone, 30.0, humanoid_clip_names(), {"Humanoid", false, false});
        }},
+      {{"humanoid_120hz.glb", "human figure, longer clips at 120 Hz, one with noise as from motion capture"},
+       [] {
+         return make_humanoid(RestStyle::along_bone, 120.0, {"walk", "run_root_motion", "idle", "mocap_sequence"},
+                              {"Humanoid", false, true});
+       }},
+      {{"humanoid_all_channels.glb",
+        "rest rotations near half turns; translation, rotation and scale channels on all joints"},
+       [] {
+         return make_humanoid(RestStyle::half_turn, 30.0, {"walk", "run_root_motion", "wave", "spin"},
+                              {"Humanoid", true, false});
+       }},
   };
   return all;
 }

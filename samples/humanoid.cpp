@@ -51,7 +51,7 @@ void add_hand(Rig& rig, const std::string& side, bool left, const dvec3& wrist) 
 }
 
 void add_arm(Rig& rig, const std::string& side, bool left) {
-  const dvec3 collar(0.025, 1.415, -0.005), shoulder(0.165, 1.425, -0.03);
+  const dvec3 collar(0.025, 1.415, -0.005), shoulder(0.165, 1.405, -0.03);
   const dvec3 elbow = shoulder + 0.285 * arm_direction + dvec3(0, 0, -0.008);
   const dvec3 wrist = elbow + 0.25 * arm_direction + dvec3(0, 0, 0.012);
   rig.add("clavicle" + side, "chest", on_side(collar, left), on_side(shoulder, left));
@@ -79,7 +79,7 @@ class Sculptor {
 
   Sculptor& blob(const std::string& joint, const dvec3& a, const dvec3& b, double radius_a, double radius_b,
                  double flatness = 1.0, const dvec3& flat = dvec3(0, 0, 1)) {
-    part_.blobs.push_back({rig_.find(joint), a, b, radius_a, radius_b, flat, flatness, false});
+    part_.blobs.push_back({rig_.find(joint), a, b, radius_a, radius_b, flat, flatness, false, own_smoothness_});
     return *this;
   }
   /// From a joint's head to its tail; `side` is appended to the name.
@@ -97,7 +97,12 @@ class Sculptor {
     return bone(joint + "_l", radius_a, radius_b).bone(joint + "_r", radius_a, radius_b);
   }
   Sculptor& carve(const std::string& joint, const dvec3& at, double radius) {
-    part_.blobs.push_back({rig_.find(joint), at, at, radius, radius, {0, 0, 1}, 1.0, true});
+    part_.blobs.push_back({rig_.find(joint), at, at, radius, radius, {0, 0, 1}, 1.0, true, 0.0});
+    return *this;
+  }
+  /// The blend width of the blobs that follow, metres; 0 is the part's.
+  Sculptor& smoothness(double metres) {
+    own_smoothness_ = metres;
     return *this;
   }
   dvec3 head_of(const std::string& joint) const { return rig_.joints[static_cast<std::size_t>(rig_.find(joint))].head; }
@@ -107,26 +112,28 @@ class Sculptor {
  private:
   const Rig& rig_;
   Part part_;
+  double own_smoothness_ = 0.0;
 };
 
 Part make_shirt(const Rig& rig) {
-  Sculptor s(rig, {"shirt", shirt_colour, 0.021, 0.06, {}});
+  Sculptor s(rig, {"shirt", shirt_colour, 0.024, 0.06, {}});
   s.blob("hips", {-0.055, 0.95, 0.0}, {0.055, 0.95, 0.0}, 0.118, 0.118, 0.86);
   s.blob("spine", {-0.045, 1.05, 0.0}, {0.045, 1.05, 0.0}, 0.108, 0.108, 0.88);
   s.blob("spine_mid", {-0.055, 1.17, -0.005}, {0.055, 1.17, -0.005}, 0.115, 0.115, 0.86);
   s.blob("chest", {-0.075, 1.29, -0.012}, {0.075, 1.29, -0.012}, 0.118, 0.118, 0.88);
   s.blob("chest", {-0.06, 1.385, -0.025}, {0.06, 1.385, -0.025}, 0.075, 0.075);
   s.blob("neck", {0, 1.43, -0.03}, {0, 1.475, -0.025}, 0.066, 0.062);
-  s.pair("clavicle", {0.06, 1.415, -0.025}, {0.15, 1.42, -0.03}, 0.058, 0.058);
-  s.bone_pair("upper_arm", 0.062, 0.047).bone_pair("forearm", 0.047, 0.036);
+  s.pair("clavicle", {0.05, 1.415, -0.026}, {0.145, 1.402, -0.03}, 0.060, 0.052);
+  s.bone_pair("upper_arm", 0.058, 0.047).smoothness(0.012).bone_pair("forearm", 0.048, 0.036);
   return s.part();
 }
 
 Part make_trousers(const Rig& rig) {
-  Sculptor s(rig, {"trousers", trousers_colour, 0.021, 0.035, {}});
+  Sculptor s(rig, {"trousers", trousers_colour, 0.024, 0.035, {}});
   s.blob("hips", {-0.055, 0.965, 0.0}, {0.055, 0.965, 0.0}, 0.112, 0.112, 0.86);
   s.blob("hips", {-0.06, 0.90, -0.012}, {0.06, 0.90, -0.012}, 0.105, 0.105, 0.95);
   s.pair("thigh", {0.092, 0.87, -0.002}, {0.094, 0.50, 0.010}, 0.084, 0.058);
+  s.smoothness(0.012);
   s.pair("shin", {0.094, 0.50, 0.010}, {0.097, 0.34, -0.028}, 0.057, 0.059);
   s.pair("shin", {0.097, 0.34, -0.028}, {0.098, 0.10, -0.034}, 0.059, 0.046);
   return s.part();
@@ -137,7 +144,7 @@ Part make_head(const Rig& rig) {
   s.blob("neck", {0, 1.42, -0.03}, {0, 1.53, -0.018}, 0.056, 0.054);
   s.blob("head", {0, 1.655, -0.018}, {0, 1.645, -0.002}, 0.088, 0.084, 0.92, {1, 0, 0});
   s.blob("head", {0, 1.60, 0.015}, {0, 1.568, 0.036}, 0.064, 0.038, 1.15, {1, 0, 0});
-  s.blob("head", {0, 1.637, 0.083}, {0, 1.608, 0.098}, 0.009, 0.014);
+  s.blob("head", {0, 1.637, 0.079}, {0, 1.610, 0.089}, 0.009, 0.013);
   s.blob("head", {-0.013, 1.583, 0.066}, {0.013, 1.583, 0.066}, 0.013, 0.013, 0.8, {0, 1, 0});
   s.blob("head", {-0.03, 1.667, 0.066}, {0.03, 1.667, 0.066}, 0.014, 0.014, 0.7, {0, 1, 0});
   for (const double x : {-1.0, 1.0}) {
@@ -156,7 +163,7 @@ Part make_hair(const Rig& rig) {
 }
 
 Part make_eyes(const Rig& rig, const std::string& name, const dvec3& colour, double forward, double radius) {
-  Sculptor s(rig, {name, colour, radius / 2.2, 0.001, {}});
+  Sculptor s(rig, {name, colour, radius / 1.7, 0.001, {}});
   for (const double x : {-0.033, 0.033})
     s.blob("head", {x, 1.645, 0.069 + forward}, {x, 1.645, 0.069 + forward}, radius, radius);
   return s.part();
@@ -164,7 +171,7 @@ Part make_eyes(const Rig& rig, const std::string& name, const dvec3& colour, dou
 
 Part make_hand(const Rig& rig, const std::string& side) {
   const bool left = side == "_l";
-  Sculptor s(rig, {"hand" + side, skin_colour, 0.0078, 0.012, {}});
+  Sculptor s(rig, {"hand" + side, skin_colour, 0.0082, 0.012, {}});
   const dvec3 wrist = s.head_of("hand" + side);
   const dvec3 flat = on_side(palm_normal, left);
   const auto in_hand = [&](double along, double out, double front) {

@@ -80,9 +80,8 @@ void set_leg(PoseBuilder& builder, const Rig& rig, const BodyState& state, std::
   builder.set_turn("toes" + s, about_x(-foot.toe_bend));
 }
 
-void set_fingers(PoseBuilder& builder, const std::string& s, double curl, const std::array<dquat, 2>& mirror_of) {
+void set_fingers(PoseBuilder& builder, const std::string& s, double curl) {
   const auto to_side = [&](const dquat& turn) { return s == "_l" ? turn : mirrored(turn); };
-  (void)mirror_of;
   int finger = 0;
   for (const char* name : {"index", "middle", "ring", "little"}) {
     const double amount = curl * (0.85 + 0.1 * finger++);
@@ -110,7 +109,7 @@ void set_arm(PoseBuilder& builder, const ArmState& arm, std::size_t side) {
   builder.set_turn("forearm" + s,
                    to_side(glm::angleAxis(arm.elbow, hinge) * glm::angleAxis(arm.forearm_twist, lower_direction)));
   builder.set_turn("hand" + s, to_side(about_z(-arm.wrist)));
-  set_fingers(builder, s, arm.curl, {});
+  set_fingers(builder, s, arm.curl);
 }
 
 double mix(double a, double b, double amount) { return a + amount * (b - a); }

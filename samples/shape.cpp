@@ -202,12 +202,13 @@ void polygonise(SkinMesh& mesh, const Part& part) {
 }  // namespace
 
 double distance_to(const Part& part, const glm::dvec3& point) {
+  const auto width = [&](const Blob& blob) { return blob.smoothness > 0.0 ? blob.smoothness : part.smoothness; };
   double distance = 1e3;
   for (const Blob& blob : part.blobs) {
-    if (!blob.carve) distance = smooth_min(distance, distance_to(blob, point), part.smoothness);
+    if (!blob.carve) distance = smooth_min(distance, distance_to(blob, point), width(blob));
   }
   for (const Blob& blob : part.blobs) {
-    if (blob.carve) distance = -smooth_min(-distance, distance_to(blob, point), part.smoothness);
+    if (blob.carve) distance = -smooth_min(-distance, distance_to(blob, point), width(blob));
   }
   return distance;
 }

@@ -17,6 +17,7 @@ struct Blob {
   glm::dvec3 flat{0.0, 0.0, 1.0};  ///< unit direction of the flattening
   double flatness = 1.0;           ///< thickness along `flat` relative to the width; 1 is round
   bool carve = false;              ///< takes away instead of adding
+  double smoothness = 0.0;         ///< of its own blend with the blobs before it; 0 is the part's
 };
 
 /// A closed surface of one colour: the smooth union of its blobs.
