@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "motion/index.h"
 #include "motion/pose.h"
 
 namespace nmc::motion {
@@ -66,10 +67,10 @@ class Comparison {
         difference_(skeleton.size(), glm::dmat4(0.0)) {
     std::vector<bool> moves(skeleton.size(), false);
     for (const PoseReader* pose : {&original_, &decoded_}) {
-      for (const int node : pose->moving()) moves[node] = true;
+      for (const int node : pose->moving()) moves[at(node)] = true;
     }
     for (const int node : skeleton.order) {
-      if (moves[node]) moving_.push_back(node);
+      if (moves[at(node)]) moving_.push_back(node);
       if (has_either(node, Path::rotation)) rotating_.push_back(node);
       if (has_either(node, Path::weights)) morphing_.push_back(node);
     }
@@ -80,13 +81,13 @@ class Comparison {
   void read(double seconds) {
     original_.read(seconds);
     decoded_.read(seconds);
-    for (const int node : moving_) difference_[node] = decoded_.world()[node] - original_.world()[node];
+    for (const int node : moving_) difference_[at(node)] = decoded_.world()[at(node)] - original_.world()[at(node)];
   }
 
   std::span<const glm::dmat4> difference() const { return difference_; }
 
   void raise_joint(double& largest) const {
-    for (const int joint : skeleton_->joints) raise(largest, glm::length(glm::dvec3(difference_[joint][3])));
+    for (const int joint : skeleton_->joints) raise(largest, glm::length(glm::dvec3(difference_[at(joint)][3])));
   }
 
   void raise_rotation(double& largest_degrees) const {
@@ -110,7 +111,7 @@ class Comparison {
         sum += weight_difference(node, static_cast<std::size_t>(morphs_[last].target)) * morphs_[last].reach;
       }
       if (sum == 0.0) continue;
-      const glm::dmat4& world = original_.world()[node];
+      const glm::dmat4& world = original_.world()[at(node)];
       const double scale = std::max(
           {glm::length(glm::dvec3(world[0])), glm::length(glm::dvec3(world[1])), glm::length(glm::dvec3(world[2]))});
       const double error = number_or_infinity(sum * scale);
@@ -187,8 +188,8 @@ class SampledPoints {
 };
 
 int leading_node(const Points& points, int point) {
-  const auto begin = points.influences.begin() + points.first[point];
-  const auto end = points.influences.begin() + points.first[point + 1];
+  const auto begin = points.influences.begin() + points.first[at(point)];
+  const auto end = points.influences.begin() + points.first[at(point) + 1];
   return std::max_element(
              begin, end, [](const Influence& a, const Influence& b) { return std::abs(a.weight) < std::abs(b.weight); })
       ->node;
@@ -218,7 +219,7 @@ double character_size(const Skeleton& skeleton, const Points& points) {
   std::vector<glm::dmat4> world(skeleton.size());
   world_matrices(skeleton, skeleton.rest_matrix, world);
   std::vector<glm::dvec3> positions;
-  for (const int joint : skeleton.joints) positions.emplace_back(world[joint][3]);
+  for (const int joint : skeleton.joints) positions.emplace_back(world[at(joint)][3]);
   if (skeleton.joints.empty()) {
     for (std::size_t p = 0; p < points.size(); ++p) positions.push_back(point_error(points, p, world));
   }

@@ -7,6 +7,8 @@
 #include <limits>
 #include <map>
 
+#include "motion/index.h"
+
 namespace nmc::motion {
 namespace {
 
@@ -27,7 +29,7 @@ std::vector<int> leading_influences(const Points& points) {
   for (std::size_t p = 0; p < points.size(); ++p) {
     for (std::uint32_t i = points.first[p]; i < points.first[p + 1]; ++i) {
       const int best = leading[p];
-      if (best < 0 || std::abs(points.influences[i].weight) > std::abs(points.influences[best].weight)) {
+      if (best < 0 || std::abs(points.influences[i].weight) > std::abs(points.influences[at(best)].weight)) {
         leading[p] = static_cast<int>(i);
       }
     }
@@ -50,7 +52,7 @@ glm::dvec3 point_error(const Points& points, std::size_t point, std::span<const 
   glm::dvec4 sum(0.0);
   for (std::uint32_t i = points.first[point]; i < points.first[point + 1]; ++i) {
     const Influence& influence = points.influences[i];
-    accumulate(sum, difference[influence.node], influence.weight * glm::dvec4(offset_of(influence), 1.0));
+    accumulate(sum, difference[at(influence.node)], influence.weight * glm::dvec4(offset_of(influence), 1.0));
   }
   return glm::dvec3(sum);
 }
@@ -60,7 +62,7 @@ PointSearch::PointSearch(const Points& points) {
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (leading[p] >= 0) index_.push_back(static_cast<int>(p));
   }
-  const auto leading_node = [&](int p) { return points.influences[leading[p]].node; };
+  const auto leading_node = [&](int p) { return points.influences[at(leading[at(p)])].node; };
   std::stable_sort(index_.begin(), index_.end(), [&](int a, int b) { return leading_node(a) < leading_node(b); });
   for (std::size_t first = 0, last = 0; first < index_.size(); first = last) {
     while (last < index_.size() && leading_node(index_[last]) == leading_node(index_[first])) ++last;
@@ -68,7 +70,7 @@ PointSearch::PointSearch(const Points& points) {
   }
   for (const int p : index_) {
     first_.push_back(influences_.size());
-    for (std::uint32_t i = points.first[p]; i < points.first[p + 1]; ++i) {
+    for (std::uint32_t i = points.first[at(p)]; i < points.first[at(p) + 1]; ++i) {
       const Influence& influence = points.influences[i];
       influences_.push_back({influence.node, influence.weight * glm::dvec4(offset_of(influence), 1.0)});
     }
@@ -78,7 +80,7 @@ PointSearch::PointSearch(const Points& points) {
 
 void PointSearch::split(const Points& points, const std::vector<int>& leading, std::size_t first, std::size_t last) {
   if (last - first <= cluster_points) return add_cluster(points, first, last);
-  const auto offset = [&](int p) { return offset_of(points.influences[leading[p]]); };
+  const auto offset = [&](int p) { return offset_of(points.influences[at(leading[at(p)])]); };
   glm::dvec3 low = offset(index_[first]), high = low;
   for (std::size_t i = first; i < last; ++i) {
     low = glm::min(low, offset(index_[i]));
@@ -86,14 +88,14 @@ void PointSearch::split(const Points& points, const std::vector<int>& leading, s
   }
   const glm::dvec3 side = high - low;
   const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-  const auto at = [&](std::size_t i) { return index_.begin() + static_cast<std::ptrdiff_t>(i); };
+  const auto place = [&](std::size_t i) { return index_.begin() + static_cast<std::ptrdiff_t>(i); };
   // What is not a number would break the ordering.
   const auto key = [&](int p) {
     const double x = offset(p)[axis];
     return std::isnan(x) ? -infinity : x;
   };
   const std::size_t middle = first + (last - first) / 2;
-  std::stable_sort(at(first), at(last), [&](int a, int b) { return key(a) < key(b); });
+  std::stable_sort(place(first), place(last), [&](int a, int b) { return key(a) < key(b); });
   split(points, leading, first, middle);
   split(points, leading, middle, last);
 }
@@ -108,7 +110,8 @@ void PointSearch::add_cluster(const Points& points, std::size_t first, std::size
   Cluster cluster{first, last, spheres_.size(), spheres_.size(), 0.0};
   const auto for_each_influence = [&](const auto& visit) {
     for (std::size_t i = first; i < last; ++i) {
-      for (std::uint32_t k = points.first[index_[i]]; k < points.first[index_[i] + 1]; ++k) visit(points.influences[k]);
+      for (std::uint32_t k = points.first[at(index_[i])]; k < points.first[at(index_[i]) + 1]; ++k)
+        visit(points.influences[k]);
     }
   };
   for_each_influence([&](const Influence& influence) {
@@ -123,7 +126,7 @@ void PointSearch::add_cluster(const Points& points, std::size_t first, std::size
   });
   for (std::size_t i = first; i < last; ++i) {
     double sum = 0.0;
-    for (std::uint32_t k = points.first[index_[i]]; k < points.first[index_[i] + 1]; ++k) {
+    for (std::uint32_t k = points.first[at(index_[i])]; k < points.first[at(index_[i]) + 1]; ++k) {
       sum += std::abs(points.influences[k].weight);
     }
     cluster.weight = std::max(cluster.weight, number_or_infinity(sum));
@@ -139,7 +142,7 @@ double PointSearch::bound(const Cluster& cluster, std::span<const glm::dmat4> di
   double sum = 0.0, largest = 0.0;
   for (std::size_t i = cluster.first_sphere; i < cluster.last_sphere; ++i) {
     const Sphere& sphere = spheres_[i];
-    const glm::dmat4& d = difference[sphere.node];
+    const glm::dmat4& d = difference[at(sphere.node)];
     glm::dvec4 moved(0.0);
     accumulate(moved, d, sphere.center);
     const double norm = std::sqrt(squared(d[0]) + squared(d[1]) + squared(d[2]));
@@ -156,7 +159,7 @@ void PointSearch::raise_in(std::size_t c, std::span<const glm::dmat4> difference
   for (std::size_t p = cluster.first_point; p < cluster.last_point; ++p) {
     glm::dvec4 sum(0.0);
     for (std::size_t i = first_[p]; i < first_[p + 1]; ++i) {
-      accumulate(sum, difference[influences_[i].node], influences_[i].offset);
+      accumulate(sum, difference[at(influences_[i].node)], influences_[i].offset);
     }
     const double error = number_or_infinity(std::sqrt(squared(sum)));
     if (error > worst.error) worst = {error, index_[p], c};

@@ -33,20 +33,20 @@ PoseReader::PoseReader(const Skeleton& skeleton, const Animation& animation)
   for (const auto& [target, curve] : chosen) {
     const auto [node, path] = target;
     readers_.emplace_back(*curve);
-    has_curve_[node][static_cast<std::size_t>(path)] = true;
+    has_curve_[at(node)][static_cast<std::size_t>(path)] = true;
     if (path == Path::weights) {
-      weights_[node].resize(static_cast<std::size_t>(curve->width));
+      weights_[at(node)].resize(static_cast<std::size_t>(curve->width));
     } else if (keyed_.empty() || keyed_.back() != node) {
       keyed_.push_back(node);
     }
   }
 
   std::vector<bool> moves(skeleton.size(), false);
-  for (const int node : keyed_) moves[node] = true;
+  for (const int node : keyed_) moves[at(node)] = true;
   for (const int node : skeleton.order) {
-    const int parent = skeleton.parent[node];
-    if (parent >= 0 && moves[parent]) moves[node] = true;
-    if (moves[node]) moving_.push_back(node);
+    const int parent = skeleton.parent[at(node)];
+    if (parent >= 0 && moves[at(parent)]) moves[at(node)] = true;
+    if (moves[at(node)]) moving_.push_back(node);
   }
   world_matrices(skeleton, local_matrix_, world_);
 }
@@ -55,9 +55,9 @@ void PoseReader::read(double seconds) {
   std::array<double, 4> value{};
   for (CurveReader& reader : readers_) {
     const Curve& curve = reader.curve();
-    Transform& local = local_[curve.node];
+    Transform& local = local_[at(curve.node)];
     if (curve.path == Path::weights) {
-      reader.read(seconds, weights_[curve.node]);
+      reader.read(seconds, weights_[at(curve.node)]);
       continue;
     }
     reader.read(seconds, value);
@@ -65,10 +65,10 @@ void PoseReader::read(double seconds) {
     if (curve.path == Path::rotation) local.rotation = glm::dquat(value[3], value[0], value[1], value[2]);
     if (curve.path == Path::scale) local.scale = {value[0], value[1], value[2]};
   }
-  for (const int node : keyed_) local_matrix_[node] = to_matrix(local_[node]);
+  for (const int node : keyed_) local_matrix_[at(node)] = to_matrix(local_[at(node)]);
   for (const int node : moving_) {
-    const int parent = skeleton_->parent[node];
-    world_[node] = parent < 0 ? local_matrix_[node] : world_[parent] * local_matrix_[node];
+    const int parent = skeleton_->parent[at(node)];
+    world_[at(node)] = parent < 0 ? local_matrix_[at(node)] : world_[at(parent)] * local_matrix_[at(node)];
   }
 }
 

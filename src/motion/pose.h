@@ -9,6 +9,7 @@
 
 #include "base/animation.h"
 #include "motion/curve.h"
+#include "motion/index.h"
 #include "motion/skeleton.h"
 
 namespace nmc::motion {
@@ -28,16 +29,16 @@ class PoseReader {
   std::span<const glm::dmat4> world() const { return world_; }
 
   /// The local rotation of a node.
-  const glm::dquat& rotation(int node) const { return local_[node].rotation; }
+  const glm::dquat& rotation(int node) const { return local_[at(node)].rotation; }
 
   /// The morph weights of a node.
-  std::span<const double> weights(int node) const { return weights_[node]; }
+  std::span<const double> weights(int node) const { return weights_[at(node)]; }
 
   /// Nodes whose world matrix can change, parents before children: those with a translation, rotation or scale curve
   /// and all below.
   std::span<const int> moving() const { return moving_; }
 
-  bool has_curve(int node, Path path) const { return has_curve_[node][static_cast<std::size_t>(path)]; }
+  bool has_curve(int node, Path path) const { return has_curve_[at(node)][static_cast<std::size_t>(path)]; }
 
  private:
   const Skeleton* skeleton_;

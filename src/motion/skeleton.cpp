@@ -1,6 +1,7 @@
 // Local matrices and their products down the node tree.
 #include "motion/skeleton.h"
 
+#include "motion/index.h"
 #include "motion/symmetric4.h"
 
 namespace nmc::motion {
@@ -45,8 +46,8 @@ Transform decompose(const glm::dmat4& matrix) {
 
 void world_matrices(const Skeleton& skeleton, std::span<const glm::dmat4> local, std::span<glm::dmat4> world) {
   for (const int node : skeleton.order) {
-    const int parent = skeleton.parent[node];
-    world[node] = parent < 0 ? local[node] : world[parent] * local[node];
+    const int parent = skeleton.parent[at(node)];
+    world[at(node)] = parent < 0 ? local[at(node)] : world[at(parent)] * local[at(node)];
   }
 }
 
