@@ -5,6 +5,8 @@
 
 #include "samples/export.h"
 #include "samples/humanoid.h"
+#include "samples/props.h"
+#include "samples/quadruped.h"
 
 namespace nmc::samples {
 namespace {
@@ -15,6 +17,13 @@ std::vector<std::uint8_t> make_humanoid(RestStyle style, double frames_per_secon
   std::vector<PoseClip> clips;
   for (const std::string& name : clip_names) clips.push_back(humanoid_clip(rig, name, frames_per_second));
   return export_character(rig, humanoid_mesh(rig), clips, options);
+}
+
+std::vector<std::uint8_t> make_quadruped() {
+  const Rig rig = quadruped_rig(RestStyle::along_bone);
+  std::vector<PoseClip> clips;
+  for (const std::string& name : quadruped_clip_names()) clips.push_back(quadruped_clip(rig, name, 30.0));
+  return export_character(rig, quadruped_mesh(rig), clips, {"Quadruped", false, true});
 }
 
 struct Recipe {
@@ -39,6 +48,9 @@ const std::vector<Recipe>& recipes() {
          return make_humanoid(RestStyle::half_turn, 30.0, {"walk", "run_root_motion", "wave", "spin"},
                               {"Humanoid", true, false});
        }},
+      {{"quadruped_30hz.glb", "dog, 38 joints, walk, trot, gallop, idle, jump"}, make_quadruped},
+      {{"props.glb", "nodes without skin, morph weights, spline and step samplers, extras, an image"}, make_props},
+      {{"unknown_extension.glb", "a fan, and an extension that nobody knows"}, make_unknown_extension},
   };
   return all;
 }

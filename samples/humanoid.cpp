@@ -2,7 +2,8 @@
 #include "samples/humanoid.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "samples/sculptor.h"
 
 namespace nmc::samples {
 namespace {
@@ -71,49 +72,6 @@ void add_leg(Rig& rig, const std::string& side, bool left) {
 constexpr dvec3 skin_colour(0.66, 0.38, 0.26), hair_colour(0.06, 0.03, 0.02), shirt_colour(0.05, 0.22, 0.42),
     trousers_colour(0.06, 0.07, 0.10), shoe_colour(0.35, 0.12, 0.05), eye_colour(0.9, 0.9, 0.88),
     iris_colour(0.03, 0.02, 0.02);
-
-/// Builds blobs from joints and their mirror images.
-class Sculptor {
- public:
-  Sculptor(const Rig& rig, Part part) : rig_(rig), part_(std::move(part)) {}
-
-  Sculptor& blob(const std::string& joint, const dvec3& a, const dvec3& b, double radius_a, double radius_b,
-                 double flatness = 1.0, const dvec3& flat = dvec3(0, 0, 1)) {
-    part_.blobs.push_back({rig_.find(joint), a, b, radius_a, radius_b, flat, flatness, false, own_smoothness_});
-    return *this;
-  }
-  /// From a joint's head to its tail; `side` is appended to the name.
-  Sculptor& bone(const std::string& joint, double radius_a, double radius_b) {
-    const Joint& j = rig_.joints[static_cast<std::size_t>(rig_.find(joint))];
-    return blob(joint, j.head, j.tail, radius_a, radius_b);
-  }
-  /// A left blob and its mirror image.
-  Sculptor& pair(const std::string& joint, const dvec3& a, const dvec3& b, double radius_a, double radius_b,
-                 double flatness = 1.0, const dvec3& flat = dvec3(0, 0, 1)) {
-    blob(joint + "_l", a, b, radius_a, radius_b, flatness, flat);
-    return blob(joint + "_r", mirrored(a), mirrored(b), radius_a, radius_b, flatness, mirrored(flat));
-  }
-  Sculptor& bone_pair(const std::string& joint, double radius_a, double radius_b) {
-    return bone(joint + "_l", radius_a, radius_b).bone(joint + "_r", radius_a, radius_b);
-  }
-  Sculptor& carve(const std::string& joint, const dvec3& at, double radius) {
-    part_.blobs.push_back({rig_.find(joint), at, at, radius, radius, {0, 0, 1}, 1.0, true, 0.0});
-    return *this;
-  }
-  /// The blend width of the blobs that follow, metres; 0 is the part's.
-  Sculptor& smoothness(double metres) {
-    own_smoothness_ = metres;
-    return *this;
-  }
-  dvec3 head_of(const std::string& joint) const { return rig_.joints[static_cast<std::size_t>(rig_.find(joint))].head; }
-  dvec3 tail_of(const std::string& joint) const { return rig_.joints[static_cast<std::size_t>(rig_.find(joint))].tail; }
-  Part part() const { return part_; }
-
- private:
-  const Rig& rig_;
-  Part part_;
-  double own_smoothness_ = 0.0;
-};
 
 Part make_shirt(const Rig& rig) {
   Sculptor s(rig, {"shirt", shirt_colour, 0.024, 0.06, {}});
