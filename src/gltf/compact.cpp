@@ -75,25 +75,39 @@ std::vector<StoredRange> stored_ranges(Document& document) {
   return ranges;
 }
 
-/// Overlapping and touching ranges joined, in order, each with its place after all that lies between them is gone.
-std::vector<Segment> lay_out(std::vector<const StoredRange*> ranges) {
-  std::sort(ranges.begin(), ranges.end(),
-            [](const StoredRange* a, const StoredRange* b) { return a->begin < b->begin; });
+/// What stays of a buffer: the kept ranges, joined with each other over what lies between them unless that is, in part,
+/// removed.
+std::vector<Segment> kept_segments(std::vector<const StoredRange*> ranges, const std::set<std::size_t>& removed_views) {
+  std::stable_sort(ranges.begin(), ranges.end(),
+                   [](const StoredRange* a, const StoredRange* b) { return a->begin < b->begin; });
   std::vector<Segment> segments;
+  std::size_t removed_until = 0;
   for (const auto* range : ranges) {
-    if (!segments.empty() && range->begin <= segments.back().end) {
-      segments.back().end = std::max(segments.back().end, range->end);
+    if (removed_views.contains(range->view)) {
+      removed_until = std::max(removed_until, range->end);
+      continue;
+    }
+    const std::size_t last_end = segments.empty() ? 0 : segments.back().end;
+    const bool joins = range->begin <= last_end || removed_until <= last_end;
+    if (segments.empty()) {
+      segments.push_back({joins ? 0 : range->begin, range->end, 0});
+    } else if (joins) {
+      segments.back().end = std::max(last_end, range->end);
     } else {
       segments.push_back({range->begin, range->end, 0});
     }
   }
+  return segments;
+}
+
+/// Gives each segment its place after all that lies between them is gone.
+void lay_out(std::vector<Segment>& segments) {
   std::size_t position = 0;
   for (auto& segment : segments) {
     position += (segment.begin % alignment + alignment - position % alignment) % alignment;
     segment.new_begin = position;
     position += segment.end - segment.begin;
   }
-  return segments;
 }
 
 std::size_t moved(std::size_t offset, const std::vector<Segment>& segments) {
@@ -103,9 +117,11 @@ std::size_t moved(std::size_t offset, const std::vector<Segment>& segments) {
   return segment.new_begin + (offset - segment.begin);
 }
 
-/// Keeps only the bytes of `kept` (all in this buffer).
-void cut_buffer(Document& document, std::size_t buffer, const std::vector<const StoredRange*>& kept) {
-  const auto segments = lay_out(kept);
+/// Cuts what only removed views hold out of a buffer; `ranges` are all that lie in it.
+void cut_buffer(Document& document, std::size_t buffer, const std::vector<const StoredRange*>& ranges,
+                const std::set<std::size_t>& removed_views) {
+  auto segments = kept_segments(ranges, removed_views);
+  lay_out(segments);
   const Bytes& old_bytes = document.buffers[buffer];
   Bytes bytes(segments.empty() ? 0 : segments.back().new_begin + segments.back().end - segments.back().begin);
   for (const auto& segment : segments) {
@@ -113,7 +129,8 @@ void cut_buffer(Document& document, std::size_t buffer, const std::vector<const 
               old_bytes.begin() + static_cast<std::ptrdiff_t>(segment.end),
               bytes.begin() + static_cast<std::ptrdiff_t>(segment.new_begin));
   }
-  for (const auto* range : kept) {
+  for (const auto* range : ranges) {
+    if (removed_views.contains(range->view)) continue;
     const std::size_t offset = moved(range->begin, segments);
     if (offset != range->begin) (*range->holder)["byteOffset"] = offset;
   }
@@ -195,11 +212,11 @@ std::set<std::size_t> cut_bytes(Document& document, const std::set<std::size_t>&
     if (removed.contains(range.view)) touched.insert(range.buffer);
   }
   for (const auto buffer : touched) {
-    std::vector<const StoredRange*> kept;
+    std::vector<const StoredRange*> inside;
     for (const auto& range : ranges) {
-      if (range.buffer == buffer && !removed.contains(range.view)) kept.push_back(&range);
+      if (range.buffer == buffer) inside.push_back(&range);
     }
-    cut_buffer(document, buffer, kept);
+    cut_buffer(document, buffer, inside, removed);
   }
   for (const auto view : removed) add_index(touched, &document.json["bufferViews"][view], "buffer");
   return touched;

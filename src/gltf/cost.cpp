@@ -1,6 +1,8 @@
 // What a document's animations cost in bytes, counted as the referee counts (tools/measure.py, payload).
 #include "gltf/cost.h"
 
+#include <array>
+#include <charconv>
 #include <map>
 #include <set>
 #include <string>
@@ -152,7 +154,35 @@ void add_named_views(const Json& value, std::set<std::size_t>& views) {
   }
 }
 
-std::size_t text_bytes(const Json& value) { return value.dump(-1, ' ', true).size(); }
+/// The length of the shortest decimal that reads back as `value`, with a point or an exponent.
+std::size_t shortest_length(double value) {
+  std::array<char, 32> text{};
+  const char* end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific).ptr;
+  const std::string_view all(text.data(), static_cast<std::size_t>(end - text.data()));
+  const std::size_t sign = all.front() == '-' ? 1 : 0;
+  const auto mantissa = all.substr(sign, all.find('e') - sign);
+  const std::size_t digits = mantissa.size() == 1 ? 1 : mantissa.size() - 1;
+  int exponent = 0;
+  std::from_chars(text.data() + all.find('e') + (all[all.find('e') + 1] == '+' ? 2 : 1), end, exponent);
+  if (exponent < -4 || exponent >= 16) return all.size();
+  if (exponent < 0) return sign + 1 + static_cast<std::size_t>(-exponent) + digits;
+  const auto whole = static_cast<std::size_t>(exponent) + 1;
+  return sign + (digits <= whole ? whole + 2 : digits + 1);
+}
+
+/// Minified, ASCII only. The JSON library sometimes writes a digit more than a number needs; that is not counted.
+std::size_t text_bytes(const Json& value) {
+  std::size_t bytes = value.dump(-1, ' ', true).size();
+  std::vector<const Json*> open{&value};
+  while (!open.empty()) {
+    const Json& part = *open.back();
+    open.pop_back();
+    if (part.is_number_float()) bytes = bytes - part.dump().size() + shortest_length(part.get<double>());
+    if (!part.is_structured()) continue;
+    for (const auto& element : part) open.push_back(&element);
+  }
+  return bytes;
+}
 
 const Json* root_extension(const Document& document) {
   const Json* extensions = find_member(document.json, "extensions");

@@ -94,12 +94,17 @@ std::vector<ClipSetBytes> read_clip_sets(const Document& document, const Json& e
   const Json& values = need_array(extension, "clipSets", where);
   std::vector<ClipSetBytes> clip_sets;
   std::set<std::size_t> views;
+  std::size_t bytes_left = 0;
+  for (const auto& buffer : document.buffers) bytes_left += buffer.size();
   for (std::size_t i = 0; i < values.size(); ++i) {
     const Where place = where.at("clipSets", i);
     if (const auto view = index_member(values[i], "bufferView"); view && !views.insert(*view).second) {
       place.fail("shares its bufferView with another clip set");
     }
     clip_sets.push_back(read_clip_set(document, values[i], place));
+    const std::size_t size = clip_sets.back().stream.size();
+    if (size > bytes_left) place.fail("has a stream that overlaps those of other clip sets");
+    bytes_left -= size;
   }
   return clip_sets;
 }

@@ -65,6 +65,22 @@ test::TakenChannels added_channels(const Document& document, const CompressionEd
   return added;
 }
 
+/// The whole JSON and all bytes, but for an empty extensions object and bytes behind the last bufferView.
+void expect_as_before(const Document& original, const Document& edited) {
+  Json before = original.json, after = edited.json;
+  test::Resolver::drop_extension(before);
+  for (auto* json : {&before, &after}) {
+    for (auto& buffer : (*json)["buffers"]) buffer.erase("byteLength");
+  }
+  EXPECT_TRUE(before.dump() == after.dump());
+  ASSERT_EQ(original.buffers.size(), edited.buffers.size());
+  for (std::size_t i = 0; i < original.buffers.size(); ++i) {
+    const Bytes& bytes = edited.buffers[i];
+    ASSERT_LE(bytes.size(), original.buffers[i].size());
+    EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), original.buffers[i].begin()));
+  }
+}
+
 class EditCorpus : public testing::TestWithParam<std::tuple<Requirement, double>> {};
 
 TEST_P(EditCorpus, ChangesNothingButAnimation) {
@@ -105,9 +121,7 @@ TEST_P(EditCorpus, ChangesNothingButAnimation) {
     EXPECT_EQ(passthrough_difference(original, edited, fake.taken,
                                      restored ? added_channels(edited, fake.edit) : test::TakenChannels()),
               "");
-    if (!restored) {
-      EXPECT_EQ(edited.json["accessors"], original.json["accessors"]);
-    }
+    if (!restored) expect_as_before(original, edited);
     EXPECT_NO_THROW(to_glb(edited));
   }
 }
