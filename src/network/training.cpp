@@ -1,4 +1,4 @@
-// Fits the weights of a pose network to a clip: Adam in normalised coordinates.
+// Fits the weights of a pose network to a clip: gradient descent in normalised coordinates.
 #include "network/training.h"
 
 #include <cmath>
@@ -7,6 +7,7 @@
 
 #include "network/fourier_features.h"
 #include "network/loss.h"
+#include "network/optimizer.h"
 
 namespace nmc::network {
 namespace {
@@ -42,43 +43,6 @@ void to_poses(PoseNetwork& network, const Normalisation& normalisation) {
   if (network.has_skip()) network.S = inverse.asDiagonal() * network.S;
 }
 
-/// Adam (Kingma, Ba 2015) over all tensors of a network.
-class Adam {
- public:
-  explicit Adam(PoseNetwork& network) {
-    for (const auto tensor : network.tensors()) {
-      const auto size = static_cast<Eigen::Index>(tensor.size());
-      first_.emplace_back(Eigen::ArrayXf::Zero(size));
-      second_.emplace_back(Eigen::ArrayXf::Zero(size));
-    }
-  }
-
-  void step(PoseNetwork& network, PoseNetwork& gradient, double learning_rate) {
-    decay_first_ *= beta_first;
-    decay_second_ *= beta_second;
-    const auto rate = static_cast<float>(learning_rate * std::sqrt(1 - decay_second_) / (1 - decay_first_));
-    const auto tensors = network.tensors();
-    const auto gradients = gradient.tensors();
-    for (std::size_t i = 0; i < tensors.size(); ++i) {
-      if (tensors[i].empty()) continue;
-      const auto size = static_cast<Eigen::Index>(tensors[i].size());
-      Eigen::Map<Eigen::ArrayXf> value(tensors[i].data(), size);
-      const Eigen::Map<const Eigen::ArrayXf> slope(gradients[i].data(), size);
-      first_[i] += (1 - beta_first) * (slope - first_[i]);
-      second_[i] += (1 - beta_second) * (slope.square() - second_[i]);
-      value -= rate * first_[i] / (second_[i].sqrt() + 1e-8f);
-    }
-  }
-
- private:
-  static constexpr float beta_first = 0.9f;
-  static constexpr float beta_second = 0.99f;
-  double decay_first_ = 1;
-  double decay_second_ = 1;
-  std::vector<Eigen::ArrayXf> first_;
-  std::vector<Eigen::ArrayXf> second_;
-};
-
 /// Equation 3 in the units of the poses.
 double weighted_error(const PoseNetwork& network, const TrainingClip& clip, const Eigen::MatrixXf& features) {
   const Eigen::MatrixXd residual = (clip.poses - evaluate(network, features)).cast<double>();
@@ -99,7 +63,7 @@ double train(PoseNetwork& network, const TrainingClip& clip, const TrainOptions&
   to_targets(network, normalisation);
   PoseNetwork best = network;
   PoseNetwork gradient = network;
-  Adam adam(network);
+  Optimizer optimizer(network);
   double best_loss = std::numeric_limits<double>::infinity();
   for (int iteration = 0;; ++iteration) {
     const double current = loss.value_and_gradient(network, gradient);
@@ -109,7 +73,7 @@ double train(PoseNetwork& network, const TrainingClip& clip, const TrainOptions&
     }
     if (iteration == options.iterations || (options.stop_requested && options.stop_requested())) break;
     const double phase = static_cast<double>(iteration) / options.iterations;
-    adam.step(network, gradient, options.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * phase)));
+    optimizer.step(network, gradient, options.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * phase)));
   }
   to_poses(best, normalisation);
   network = std::move(best);

@@ -19,10 +19,10 @@ struct TrainingClip {
   Eigen::VectorXf weights;  ///< m: w of equation 3, not negative
 };
 
-/// Minimises equation 3 from the network given: full batch, Adam with a cosine schedule, in coordinates where the
-/// weighted clip has zero mean and unit variance. The best weights seen come back, never worse than the ones given;
-/// parameters whose weight is zero get a constant, their mean. Returns the loss of equation 3. The same input gives the
-/// same network.
+/// Minimises equation 3 from the network given: full batch, the steps of Optimizer on a cosine schedule, in coordinates
+/// where the weighted clip has zero mean and unit variance. The best weights seen come back, never worse than the ones
+/// given; parameters whose weight is zero get a constant, their mean. Returns the loss of equation 3. The same input
+/// gives the same network.
 double train(PoseNetwork& network, const TrainingClip& clip, const TrainOptions& options);
 
 }  // namespace nmc::network

@@ -36,17 +36,19 @@ double largest_difference(const PoseNetwork& network, const TrainingClip& clip) 
 }
 
 TEST(TrainAdaptive, FindsTheFrequenciesOfTheClip) {
-  // The fastest is the strongest: out of slow ones alone the network makes some of the faster.
-  const TrainingClip clip = cosine_clip({13, 8, 3});
+  const TrainingClip clip = cosine_clip({29, 13, 8});
   AdaptiveOptions options;
   options.max_frequencies = 3;
-  const AdaptiveResult result =
-      train_adaptive(clip, options, [&](const PoseNetwork& network) { return largest_difference(network, clip); });
-  std::vector<int> found = result.network.half_cycles;
-  std::ranges::sort(found);
-  EXPECT_EQ(found, (std::vector<int>{3, 8, 13}));
-  EXPECT_LT(result.error, 0.02);
-  EXPECT_EQ(result.error, largest_difference(result.network, clip));
+  // The fastest is the strongest and none is slow: a network makes slow waves of time alone and faster ones of slow
+  // ones, without their feature. frequencies.
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    options.seed = seed;
+    const AdaptiveResult result =
+        train_adaptive(clip, options, [&](const PoseNetwork& network) { return largest_difference(network, clip); });
+    EXPECT_EQ(result.network.half_cycles, (std::vector<int>{29, 13, 8})) << "seed " << seed;
+    EXPECT_LT(result.error, 0.02);
+    EXPECT_EQ(result.error, largest_difference(result.network, clip));
+  }
 }
 
 TEST(TrainAdaptive, StopsAtTheFirstNetworkUnderTheThreshold) {
