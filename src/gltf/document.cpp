@@ -129,7 +129,8 @@ void read_buffer(Document& document, std::size_t index, const std::optional<std:
 
 void read_buffers(Document& document, const std::optional<std::span<const std::uint8_t>>& bin,
                   const ReadOptions& options) {
-  const std::size_t count = list_size(document.json, "buffers", document.name);
+  const Json* list = find_list(document.json, "buffers", document.name);
+  const std::size_t count = list == nullptr ? 0 : list->size();
   document.buffers.resize(count);
   document.has_data.resize(count, false);
   for (std::size_t i = 0; i < count; ++i) read_buffer(document, i, bin, options);

@@ -97,8 +97,10 @@ const Json* find_list(const Json& root, const char* key, const std::string& file
 }
 
 std::size_t list_size(const Json& root, const char* key, const std::string& file_name) {
-  const Json* list = find_list(root, key, file_name);
-  return list == nullptr ? 0 : list->size();
+  const Json* list = find(root, key);
+  if (list == nullptr) return 0;
+  if (!list->is_array()) throw Error(ErrorCode::invalid_input, fmt::format("{}: {} is not an array.", file_name, key));
+  return list->size();
 }
 
 std::optional<std::uint64_t> find_unsigned(const Json& object, const char* key, const Where& where) {

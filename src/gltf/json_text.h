@@ -31,7 +31,7 @@ const Json* find(const Json& object, const char* key);
 /// The root list `key` (such as "accessors"), nullptr when absent. Throws when it is not an array of objects.
 const Json* find_list(const Json& root, const char* key, const std::string& file_name);
 
-/// The number of elements of a root list, 0 when absent.
+/// The number of elements of a root list, 0 when absent; the elements are not looked at.
 std::size_t list_size(const Json& root, const char* key, const std::string& file_name);
 
 /// A non-negative integer at most 2^53 - 1 (also when written as 3.0); empty when absent.
