@@ -8,8 +8,9 @@
 namespace nmc::network {
 
 /// Adam (Kingma, Ba 2015). The moments of a matrix W are kept in the eigenbasis of the running mean of G^T G, G the
-/// gradient by W: that is SOAP (Vyas et al. 2024) on the input side alone. At equal time it left 10 to 25 % less error
-/// on motion capture than plain Adam, which it is for vectors; a rotation of the output side as well made it worse.
+/// gradient by W: that is SOAP (Vyas et al. 2024) on the input side alone. With equal iterations it left 7 to 28 % less
+/// rms error than plain Adam on four motion captures at K = 10; vectors get plain Adam. A rotation of the output side
+/// as well made it worse.
 class Optimizer {
  public:
   /// For networks of this shape.
