@@ -1,1 +1,158 @@
-int main() { return 6; }
+// The command line: chooses the command, turns every failure into one sentence and an exit code.
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdio>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "cli/command.h"
+#include "report/format.h"
+
+namespace nmc::cli {
+namespace {
+
+struct Command {
+  const char* name;
+  const char* description;
+  Run (*add)(CLI::App& app);
+};
+
+constexpr std::array<Command, 5> commands{{
+    {"compress", "Compresses the animations of a glTF file; the error stays within a tolerance.", compress_command},
+    {"decode", "Turns a compressed file back into plain glTF that every viewer plays.", decode_command},
+    {"inspect", "Shows what is inside a compressed file and where its bytes went.", inspect_command},
+    {"verify", "Measures the error of a file against the original.", verify_command},
+    {"import", "Turns motion capture (BVH) into an animated glTF file.", import_command},
+}};
+
+constexpr const char* exit_codes =
+    "Exit codes:\n"
+    "  0  done\n"
+    "  1  the command line makes no sense\n"
+    "  2  a file cannot be read or written\n"
+    "  3  the input breaks its format\n"
+    "  4  the input needs something that is not supported\n"
+    "  5  the tolerance is not kept (verify)\n"
+    "  6  a defect in gltf-nmc, or not enough memory";
+
+std::string footer(bool with_commands) {
+  std::string text;
+  if (with_commands) {
+    text += "Commands (compress where none is named; gltf-nmc COMMAND --help tells more):\n";
+    for (const Command& command : commands) text += fmt::format("  {:<10}{}\n", command.name, command.description);
+    text += "A file that is named like a command is written with its folder: ./decode\n\n";
+  }
+  return text + exit_codes;
+}
+
+void set_up(CLI::App& app, bool with_commands) {
+  app.set_version_flag("--version", fmt::format("gltf-nmc {}", version), "print the version");
+  app.set_help_flag("-h,--help", "print this text");
+  app.footer(footer(with_commands));
+  app.get_formatter()->column_width(28);
+}
+
+const Command* find_command(std::string_view name) {
+  for (const Command& command : commands) {
+    if (name == command.name) return &command;
+  }
+  return nullptr;
+}
+
+/// Whether `argument` is an option of compress whose value is the next argument.
+bool takes_next(const CLI::App& compress, const std::string& argument) {
+  const CLI::Option* option = compress.get_option_no_throw(argument);
+  return option != nullptr && option->get_items_expected_max() > 0;
+}
+
+struct Choice {
+  const Command* command = &commands[0];
+  std::vector<std::string> arguments;  ///< without the command's name
+  std::string first_positional;
+};
+
+/// The first argument that is no option (nor an option's value) names the command, where there is a command of that
+/// name.
+Choice choose(std::vector<std::string> arguments) {
+  CLI::App compress;
+  compress_command(compress);
+  Choice choice;
+  for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
+    if (arguments[i].starts_with('-')) {
+      if (takes_next(compress, arguments[i])) ++i;
+      continue;
+    }
+    if (const Command* named = find_command(arguments[i])) {
+      choice.command = named;
+      arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      choice.first_positional = arguments[i];
+    }
+    break;
+  }
+  choice.arguments = std::move(arguments);
+  return choice;
+}
+
+std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app, const Choice& choice) {
+  const std::string help = fmt::format("try gltf-nmc {} --help.", choice.command->name);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    const std::vector<std::string> extras = app.remaining();
+    const std::string extra = extras.empty() ? "" : extras.front();
+    if (extra.starts_with('-')) return fmt::format("there is no option {}; {}", extra, help);
+    if (!choice.first_positional.empty()) {
+      return fmt::format("the argument '{}' is one too many, and '{}' is no command; {}", extra,
+                         choice.first_positional, help);
+    }
+    return fmt::format("the argument '{}' is one too many; {}", extra, help);
+  }
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+    return fmt::format("a file is missing on the command line ({}); {}", error.what(), help);
+  }
+  return fmt::format("{}; {}", error.what(), help);
+}
+
+int fail(ErrorCode code, const std::string& sentence) {
+  fmt::print(stderr, "gltf-nmc: {}\n", report::printable(sentence));
+  return static_cast<int>(code);
+}
+
+int run(const std::vector<std::string>& arguments) {
+  const Choice choice = choose(arguments);
+  const bool is_default = choice.command == &commands[0];
+  CLI::App app(choice.command->description, is_default ? "gltf-nmc" : fmt::format("gltf-nmc {}", choice.command->name));
+  set_up(app, is_default);
+  const Run work = choice.command->add(app);
+  try {
+    app.parse(std::vector<std::string>(choice.arguments.rbegin(), choice.arguments.rend()));
+  } catch (const CLI::CallForHelp&) {
+    print(app.help());
+    return 0;
+  } catch (const CLI::CallForVersion&) {
+    print(fmt::format("gltf-nmc {}\n", version));
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return fail(ErrorCode::usage, usage_sentence(error, app, choice));
+  }
+  return work();
+}
+
+}  // namespace
+}  // namespace nmc::cli
+
+int main(int argc, char** argv) {
+  using nmc::cli::fail;
+  try {
+    return nmc::cli::run(std::vector<std::string>(argv + 1, argv + argc));
+  } catch (const nmc::Error& error) {
+    return fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(nmc::ErrorCode::internal, "there is not enough memory for this file.");
+  } catch (const std::exception& error) {
+    return fail(nmc::ErrorCode::internal, fmt::format("a defect in gltf-nmc, please report it: {}.", error.what()));
+  }
+}

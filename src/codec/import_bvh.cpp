@@ -231,7 +231,7 @@ Document import_bvh(const BvhClip& bvh) {
   const Skeleton& skeleton = bvh.skeleton;
   if (skeleton.joints.size() > 65536) {
     throw Error(ErrorCode::unsupported,
-                fmt::format("the motion has {} joints; glTF skins hold up to 65536", skeleton.joints.size()));
+                fmt::format("the motion has {} joints; glTF skins hold up to 65536.", skeleton.joints.size()));
   }
   const std::vector<glm::dvec3> world = rest_positions(skeleton);
   Binary binary;

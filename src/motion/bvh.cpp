@@ -162,7 +162,7 @@ class Words {
   }
 
   [[noreturn]] void fail_at(std::size_t line, const std::string& clause) const {
-    throw Error(ErrorCode::invalid_input, fmt::format("{}, line {}: {}", file_name_, line, clause));
+    throw Error(ErrorCode::invalid_input, fmt::format("{}, line {}: {}.", file_name_, line, clause));
   }
 
   void skip_blanks() {
@@ -405,7 +405,7 @@ BvhClip parse_bvh(std::string_view text, const std::string& file_name, const Bvh
   const std::size_t step = frame_step(motion.frame_seconds, options.frames_per_second, motion.frames);
   const Converter converter(hierarchy, motion, step, options.scale);
   const auto refuse = [&](const std::string& clause) {
-    throw Error(ErrorCode::invalid_input, fmt::format("{}: {}", file_name, clause));
+    throw Error(ErrorCode::invalid_input, fmt::format("{}: {}.", file_name, clause));
   };
 
   BvhClip result;

@@ -1,0 +1,46 @@
+#include "cli/command.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.h"
+
+namespace nmc::cli {
+namespace {
+
+/// The whole of `text` as a number, or false.
+template <typename Number>
+bool parse_all(const std::string& text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+}  // namespace
+
+CLI::Validator whole_number(int low, int high) {
+  const auto check = [=](const std::string& text) -> std::string {
+    int number = 0;
+    if (parse_all(text, number) && number >= low && number <= high) return {};
+    return fmt::format("'{}' is no whole number from {} to {}", text, low, high);
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator positive_number() {
+  const auto check = [](const std::string& text) -> std::string {
+    double number = 0;
+    if (parse_all(text, number) && std::isfinite(number) && number > 0) return {};
+    return fmt::format("'{}' is no number greater than 0", text);
+  };
+  return CLI::Validator(check, "");
+}
+
+void print(const std::string& text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (!written) throw Error(ErrorCode::io, "standard output cannot be written.");
+}
+
+}  // namespace nmc::cli

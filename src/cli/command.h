@@ -1,0 +1,29 @@
+// What a subcommand is: options on a CLI11 parser and the work to do once they are parsed.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+namespace nmc::cli {
+
+inline constexpr const char* version = NMC_VERSION;
+
+/// The work of a parsed command. Returns the exit code; throws Error.
+using Run = std::function<int()>;
+
+// Each adds its options to `app` and returns its work.
+Run compress_command(CLI::App& app);
+Run decode_command(CLI::App& app);
+Run inspect_command(CLI::App& app);
+Run verify_command(CLI::App& app);
+Run import_command(CLI::App& app);
+
+/// Checks for options: a sentence's second half where the value does not fit, as CLI11 wants it.
+CLI::Validator whole_number(int low, int high);
+CLI::Validator positive_number();
+
+/// Writes to standard output. Throws Error (io) when it cannot be written.
+void print(const std::string& text);
+
+}  // namespace nmc::cli

@@ -1,0 +1,61 @@
+// gltf-nmc verify: the error of a file against the original, measured anew.
+#include <memory>
+
+#include "base/error.h"
+#include "cli/command.h"
+#include "cli/files.h"
+#include "cli/tolerance.h"
+#include "report/verify_report.h"
+
+namespace nmc::cli {
+namespace {
+
+struct Arguments {
+  std::string original;
+  std::string file;
+  std::string tolerance = "0.1%";
+  bool joints_alone = false;
+  bool json = false;
+  bool allow_external = false;
+};
+
+int run(const Arguments& a) {
+  const codec::Tolerance tolerance = parse_tolerance(a.tolerance);
+  const gltf::ReadOptions read_options{.allow_external = a.allow_external};
+  const gltf::Document original = gltf::read_document(a.original, read_options);
+  const gltf::Document other = gltf::read_document(a.file, read_options);
+  const codec::Verification result = codec::verify(original, other);
+
+  report::VerifyContext context;
+  context.version = version;
+  context.original = a.original;
+  context.other = a.file;
+  context.tolerance = in_world_units(tolerance, result.size);
+  context.joints_alone = a.joints_alone;
+  context.node_names = node_names(original);
+  print(a.json ? json_text(report::verify_json(result, context)) : report::verify_text(result, context));
+  return report::holds(result, context) ? 0 : static_cast<int>(ErrorCode::tolerance_not_kept);
+}
+
+}  // namespace
+
+Run verify_command(CLI::App& app) {
+  const auto a = std::make_shared<Arguments>();
+  app.add_option("ORIGINAL", a->original, "the file before compression")->required();
+  app.add_option("FILE", a->file, "the compressed or decoded file")->required();
+  app.add_option("--tolerance", a->tolerance,
+                 "the error that may be seen: a share of the character's\n"
+                 "size, above 0% to 100%, or a length above 0: 2mm, 1cm,\n"
+                 "0.01m (default 0.1%)")
+      ->type_name("AMOUNT")
+      ->group("Error bound");
+  app.add_flag("--joints", a->joints_alone,
+               "hold skin joints alone to the tolerance, as profile paper does\n(default joints and skin)")
+      ->group("Error bound");
+  app.add_flag("--allow-external", a->allow_external, "let URIs leave the files' folders (default refused)")
+      ->group("File");
+  app.add_flag("--json", a->json, "as JSON instead of a table")->group("Output");
+  return [=] { return run(*a); };
+}
+
+}  // namespace nmc::cli
