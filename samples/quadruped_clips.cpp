@@ -43,11 +43,21 @@ struct DogState {
   std::array<Paw, 4> paws;
 };
 
+/// Draws a point in the air nearer to where its leg starts when it is out of reach; a standing paw (`lift` 0) stays
+/// where it is.
+dvec3 within_reach(const dvec3& start, const dvec3& end, double leg_length, double lift) {
+  constexpr double easy = 0.88, limit = 0.99;
+  const double reach = glm::length(end - start) / leg_length;
+  if (reach <= easy) return end;
+  const double softened = limit - (limit - easy) * std::exp((easy - reach) / (limit - easy));
+  return start + (end - start) * (1.0 + smooth_step(0.0, 0.05, lift) * (softened / reach - 1.0));
+}
+
 class DogPoser {
  public:
   DogPoser(const Rig& rig, const DogState& state) : rig_(rig), state_(state), pose_(rest_pose(rig)) { set_all(); }
   const Pose& pose() const { return pose_; }
-  /// Of all legs, the largest distance to go / length of the leg.
+  /// Of all standing legs, the largest distance to go / length of the leg.
   double stretch() const { return stretch_; }
 
  private:
@@ -89,11 +99,13 @@ class DogPoser {
     const Paw& paw = state_.paws[leg];
     const dvec3 ball = head(toes) + dvec3(0.0, paw.lift, paw.ahead);
     const glm::dquat foot_turn = about_x(paw.pitch);
-    const dvec3 end = ball + foot_turn * (head(foot) - head(toes));
     const dvec3 start = place(rig_, pose_).positions[index(upper)];
     const dvec3 upper_bone = head(lower) - head(upper), lower_bone = head(foot) - head(lower);
-    const TwoBoneBend bend = bend_two_bones(start, end, glm::length(upper_bone), glm::length(lower_bone), pole);
-    stretch_ = std::max(stretch_, bend.stretch);
+    const double upper_length = glm::length(upper_bone), lower_length = glm::length(lower_bone);
+    const dvec3 end =
+        within_reach(start, ball + foot_turn * (head(foot) - head(toes)), upper_length + lower_length, paw.lift);
+    const TwoBoneBend bend = bend_two_bones(start, end, upper_length, lower_length, pole);
+    if (paw.lift < 0.01) stretch_ = std::max(stretch_, bend.stretch);
     const dvec3 side(pole.z, 0, 0);
     const std::string above = rig_.joints[static_cast<std::size_t>(rig_.joints[index(upper)].parent)].name;
     const glm::dquat upper_turn = aim(upper_bone, side, bend.middle - start, bend.side);
@@ -257,10 +269,10 @@ DogState jump_state(double t) {
   for (const Leg leg : {hind_left, hind_right, fore_left, fore_right}) {
     const bool hind = leg == hind_left || leg == hind_right;
     const double late = leg == hind_right || leg == fore_right ? 0.02 : 0.0;
-    const double off = (hind ? 0.56 : 0.36) + late, on = (hind ? 1.16 : 0.98) + late;
+    const double off = (hind ? 0.52 : 0.34) + late, on = (hind ? 1.16 : 0.98) + late;
     Paw& paw = state.paws[leg];
     paw.ahead = length * smooth_step(off, on, t);
-    paw.lift = (hind ? 0.40 : 0.46) * hump(off, on, t);
+    paw.lift = (hind ? 0.30 : 0.40) * hump(off, on, t);
     paw.pitch = 0.5 * hump(off - 0.25, off + 0.3, t) + 0.3 * hump(off, on, t);
     paw.toe_bend = 0.6 * hump(off, on, t);
     if (!hind) state.scapula[leg - fore_left] = 0.4 * hump(0.4, 1.1, t);
@@ -304,7 +316,7 @@ std::vector<std::string> quadruped_clip_names() { return {"walk", "trot", "gallo
 
 PoseClip quadruped_clip(const Rig& rig, std::string_view name, double frames_per_second) {
   const DogMotion motion = find_motion(name);
-  const double drop = lowering(rig, motion);
+  const double drop = motion.loops ? lowering(rig, motion) : 0.0;
   const auto frames = std::lround(motion.seconds * frames_per_second);
   PoseClip clip{std::string(name), frames_per_second, 0, {}};
   for (long i = 0; i <= frames; ++i) {
