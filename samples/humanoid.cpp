@@ -32,6 +32,13 @@ const std::array<FingerPlan, 5> finger_plans = {{
     {"little", {0.080, 0.0, -0.031}, {1.0, 0.0, -0.12}, {0.034, 0.021, 0.019}},
 }};
 
+std::string finger_bone(const FingerPlan& finger, std::size_t bone, const std::string& side) {
+  std::string name = finger.name;
+  name += '_';
+  name += std::to_string(bone);
+  return name += side;
+}
+
 dvec3 from_hand_axes(const dvec3& v) { return v.x * arm_direction + v.y * palm_normal + v.z * dvec3(0, 0, 1); }
 
 void add_hand(Rig& rig, const std::string& side, bool left, const dvec3& wrist) {
@@ -42,7 +49,7 @@ void add_hand(Rig& rig, const std::string& side, bool left, const dvec3& wrist) 
     const dvec3 direction = glm::normalize(from_hand_axes(finger.direction));
     std::string parent = "hand" + side;
     for (std::size_t bone = 0; bone < 3; ++bone) {
-      const std::string name = finger.name + ("_" + std::to_string(bone + 1)) + side;
+      const std::string name = finger_bone(finger, bone + 1, side);
       const dvec3 next = at + finger.lengths[bone] * direction;
       rig.add(name, parent, on_side(at, left), on_side(next, left));
       parent = name;
@@ -144,9 +151,9 @@ Part make_hand(const Rig& rig, const std::string& side) {
     const double thick = finger.name == std::string("little")  ? 0.0085
                          : finger.name == std::string("thumb") ? 0.0115
                                                                : 0.0098;
-    for (int bone = 1; bone <= 3; ++bone) {
-      const double shrink = 1.0 - 0.06 * bone;
-      s.bone(finger.name + ("_" + std::to_string(bone)) + side, thick * (shrink + 0.06), thick * shrink);
+    for (std::size_t bone = 1; bone <= 3; ++bone) {
+      const double shrink = 1.0 - 0.06 * static_cast<double>(bone);
+      s.bone(finger_bone(finger, bone, side), thick * (shrink + 0.06), thick * shrink);
     }
   }
   Part part = s.part();
