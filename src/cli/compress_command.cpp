@@ -77,12 +77,13 @@ int run(const Arguments& a) {
 
   report::CompressContext context;
   context.file_bytes_before = bytes_on_disk(a.input, document);
-  const codec::CompressResult result = [&] {
+  codec::CompressResult result = [&] {
     ProgressLine line(!a.quiet);
     options.progress = line.callback();
     return codec::compress(document, options);
   }();
   gltf::write_document(result.document, a.output);
+  if (result.clips.empty()) result.notes.push_back("the file has no animations; it was written as it is");
 
   context.version = version;
   context.input = a.input;

@@ -117,7 +117,8 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app, co
 }
 
 int fail(ErrorCode code, const std::string& sentence) {
-  fmt::print(stderr, "gltf-nmc: {}\n", report::printable(sentence));
+  const char* stop = sentence.ends_with('.') ? "" : ".";
+  fmt::print(stderr, "gltf-nmc: {}{}\n", report::printable(sentence), stop);
   return static_cast<int>(code);
 }
 

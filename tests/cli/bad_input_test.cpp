@@ -88,6 +88,13 @@ TEST_F(BadInput, ChannelOnNoNode) {
   expect_invalid(tiny.bytes(), {"in.glb", "animations[0]"});
 }
 
+/// glTF 2.0, animation.schema.json: channels and samplers hold at least one item.
+TEST_F(BadInput, AnimationWithoutChannels) {
+  TinyGlb tiny;
+  tiny.json["animations"].push_back({{"name", "nothing"}, {"channels", Json::array()}, {"samplers", Json::array()}});
+  expect_invalid(tiny.bytes(), {"in.glb", "animations[1]"});
+}
+
 TEST_F(BadInput, NodeCycle) {
   TinyGlb tiny;
   tiny.json["nodes"][1]["children"] = {0};

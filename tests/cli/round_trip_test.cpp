@@ -153,17 +153,6 @@ TEST_F(RoundTrip, NoAnimationsPassThroughWithANote) {
   EXPECT_EQ(read_bytes(file("out.glb")), read_bytes(in));
 }
 
-TEST_F(RoundTrip, AnimationWithoutChannelsStays) {
-  TinyGlb tiny;
-  tiny.json["animations"].push_back({{"name", "nothing"}, {"channels", Json::array()}, {"samplers", Json::array()}});
-  const Json report = compress(input("in.glb", tiny.bytes()), file("out.glb"), {"--tolerance", "1%"});
-  ASSERT_EQ(report["animations"].size(), 2U);
-  EXPECT_EQ(report["animations"][1]["outcome"], "kept_nothing_to_take");
-  const Json json = split_glb(read_bytes(file("out.glb"))).json;
-  ASSERT_EQ(json["animations"].size(), 2U);
-  EXPECT_EQ(json["animations"][1], tiny.json["animations"][1]);
-}
-
 TEST_F(RoundTrip, OutputMayBeTheInput) {
   const Bytes original = TinyGlb().bytes();
   write_bytes(file("same.glb"), original);
