@@ -1,4 +1,5 @@
-// The whole job on a document in memory: animations of glTF into clip sets and back, with the error bound measured on the real bytes.
+// The whole job on a document in memory: animations of glTF into clip sets and back, with the error bound measured on
+// the real bytes.
 #pragma once
 
 #include <cstddef>
@@ -29,10 +30,10 @@ enum class Profile {
 struct CompressOptions {
   Profile profile = Profile::standard;
   Tolerance tolerance;
-  int max_frequencies = 40;      ///< paper profile: the largest K of Algorithm 1
-  int effort = 5;                ///< standard profile: 1 (fast) to 9 (thorough)
-  double time_limit_seconds = 0; ///< 0: none
-  int threads = 0;               ///< 0: all
+  int max_frequencies = 40;       ///< paper profile: the largest K of Algorithm 1
+  int effort = 5;                 ///< standard profile: 1 (fast) to 9 (thorough)
+  double time_limit_seconds = 0;  ///< 0: none
+  int threads = 0;                ///< 0: all
   gltf::Requirement requirement = gltf::Requirement::required;
   std::vector<std::string> exclude;  ///< names of animations that stay as they are
   Progress progress;
@@ -41,26 +42,26 @@ struct CompressOptions {
 /// What became of one animation.
 enum class Outcome {
   compressed,
-  kept_over_tolerance,  ///< the profile did not reach the tolerance within its limits
-  kept_larger,          ///< it would have become larger than it was
-  kept_nothing_to_take, ///< no channel that the codec takes, or excluded by the user
+  kept_over_tolerance,   ///< the profile did not reach the tolerance within its limits
+  kept_larger,           ///< it would have become larger than it was
+  kept_nothing_to_take,  ///< no channel that the codec takes, or excluded by the user
 };
 
 struct ClipResult {
   int animation = 0;
   std::string name;
   Outcome outcome = Outcome::kept_nothing_to_take;
-  std::string reason;            ///< a clause for the table where the outcome is not `compressed`
-  std::size_t frames = 0;        ///< samples of the clip
-  std::size_t joints = 0;        ///< nodes that the clip animates
+  std::string reason;      ///< a clause for the table where the outcome is not `compressed`
+  std::size_t frames = 0;  ///< samples of the clip
+  std::size_t joints = 0;  ///< nodes that the clip animates
   double duration_seconds = 0;
-  std::size_t keys_before = 0;   ///< bytes of unique key data; shared data is split evenly among its users
-  std::size_t json_before = 0;   ///< bytes of minified JSON of the animation, its accessors and bufferViews
+  std::size_t keys_before = 0;  ///< bytes of unique key data; shared data is split evenly among its users
+  std::size_t json_before = 0;  ///< bytes of minified JSON of the animation, its accessors and bufferViews
   std::size_t keys_after = 0;
   std::size_t json_after = 0;
-  int frequencies = 0;           ///< largest number of frequencies that a pose uses
-  motion::ErrorReport error;     ///< of the decoded bytes against the original; zero where the animation is kept
-  double seconds = 0;            ///< time spent on it
+  int frequencies = 0;        ///< largest number of frequencies that a pose uses
+  motion::ErrorReport error;  ///< of the decoded bytes against the original; zero where the animation is kept
+  double seconds = 0;         ///< time spent on it
 };
 
 struct CompressResult {
@@ -74,7 +75,8 @@ struct CompressResult {
 /// Compresses the animations of a document. Throws Error as the readers do.
 CompressResult compress(const gltf::Document& document, const CompressOptions& options);
 
-/// Decodes the extension back to core channels. Returns the new document; one without the extension comes back as it is.
+/// Decodes the extension back to core channels. Returns the new document; one without the extension comes back as it
+/// is.
 gltf::Document expand(const gltf::Document& document);
 
 /// The skeleton of a read asset.
@@ -105,7 +107,7 @@ struct InspectedClip {
   std::size_t nonzero_weights = 0;
 };
 struct InspectedPart {
-  std::string name;   ///< "header", "references", "times", "network", "weights", ...
+  std::string name;  ///< "header", "references", "times", "network", "weights", ...
   std::size_t bits = 0;
 };
 struct InspectedSet {

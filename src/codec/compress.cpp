@@ -1,0 +1,177 @@
+#include "codec/compress.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <utility>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "codec/decoded_set.h"
+#include "codec/paper_profile.h"
+#include "codec/source.h"
+#include "codec/standard_profile.h"
+#include "gltf/cost.h"
+
+namespace nmc::codec {
+namespace {
+
+/// JSON that a compressed animation needs besides its name: the object with one stub channel, and its share of
+/// accessors.
+constexpr std::size_t stub_json_bytes = 230;
+
+std::vector<int> nodes_of(const EncodedSet& set) {
+  std::vector<int> nodes;
+  for (const NodeTarget& target : set.targets) nodes.push_back(target.node);
+  return nodes;
+}
+
+/// What the decoder gives for each clip of a set, measured against the file; the outcomes go into the results.
+void judge(const Source& source, const CompressOptions& options, const motion::ErrorMeter& meter, const EncodedSet& set,
+           std::vector<ClipResult>& results) {
+  const DecodedSet decoded(set.stream, "the new clip set");
+  const std::vector<int> nodes = nodes_of(set);
+  double clip_bits = 0;
+  for (std::size_t i = 0; i < set.clips.size(); ++i) clip_bits += decoded.clip_bits(i);
+  const double shared_bytes = std::max(0.0, static_cast<double>(set.stream.size()) - clip_bits / 8);
+  parallel_for(set.clips.size(), options.threads, [&](std::size_t i) {
+    const ClipSource& clip = source.clips[set.clips[i]];
+    ClipResult& result = results[static_cast<std::size_t>(clip.animation)];
+    Animation all = motion::to_animation(decoded.clip(i, nodes));
+    all.curves.insert(all.curves.end(), clip.kept.curves.begin(), clip.kept.curves.end());
+    result.error = meter.report(clip.original, all);
+    result.frequencies = set.frequencies[i];
+    result.seconds = set.seconds[i];
+    result.keys_after =
+        static_cast<std::size_t>(decoded.clip_bits(i) / 8 + shared_bytes / static_cast<double>(set.clips.size()));
+    result.outcome = Outcome::compressed;
+    const double error = options.profile == Profile::paper ? result.error.max_joint : result.error.max;
+    if (!(error <= source.tolerance)) {
+      result.outcome = Outcome::kept_over_tolerance;
+      result.reason = options.profile == Profile::paper ? "not within the tolerance at the most frequencies"
+                                                        : "not within the tolerance";
+    } else if (result.keys_after + stub_json_bytes >= result.keys_before + result.json_before) {
+      result.outcome = Outcome::kept_larger;
+      result.reason = "would become larger";
+    }
+  });
+}
+
+gltf::CompressionEdit edit_of(const Source& source, const std::vector<EncodedSet>& sets,
+                              const CompressOptions& options) {
+  gltf::CompressionEdit edit;
+  edit.requirement = options.requirement;
+  for (const EncodedSet& set : sets) {
+    gltf::ClipSetBytes bytes;
+    bytes.stream = set.stream;
+    for (const NodeTarget& target : set.targets) bytes.targets.push_back({target.node, target.path});
+    for (std::size_t i = 0; i < set.clips.size(); ++i) {
+      const ClipSource& clip = source.clips[set.clips[i]];
+      edit.taken.push_back({clip.animation, clip.channels, static_cast<int>(edit.clip_sets.size()), static_cast<int>(i),
+                            clip.clip.times.front(), clip.clip.times.back()});
+    }
+    edit.clip_sets.push_back(std::move(bytes));
+  }
+  std::sort(edit.taken.begin(), edit.taken.end(),
+            [](const auto& a, const auto& b) { return a.animation < b.animation; });
+  return edit;
+}
+
+/// Tells progress from several threads, one at a time.
+class ClipProgress {
+ public:
+  ClipProgress(const Progress& progress, std::size_t clips) : progress_(progress), clips_(clips) {}
+  void done(const std::string& name) {
+    if (!progress_) return;
+    const std::lock_guard lock(mutex_);
+    progress_(static_cast<double>(++done_) / static_cast<double>(clips_), name);
+  }
+
+ private:
+  const Progress& progress_;
+  std::size_t clips_, done_ = 0;
+  std::mutex mutex_;
+};
+
+std::vector<EncodedSet> encode_paper_sets(const Source& source, const CompressOptions& options,
+                                          const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
+  std::vector<PaperClip> clips(source.clips.size());
+  ClipProgress progress(options.progress, clips.size());
+  parallel_for(clips.size(), options.threads, [&](std::size_t i) {
+    clips[i] = encode_paper(source, i, options);
+    progress.done(source.clips[i].name);
+  });
+  std::vector<EncodedSet> sets;
+  for (PaperClip& clip : clips) {
+    judge(source, options, meter, clip.set, results);
+    const ClipSource& from = source.clips[clip.set.clips.front()];
+    if (results[static_cast<std::size_t>(from.animation)].outcome == Outcome::compressed)
+      sets.push_back(std::move(clip.set));
+  }
+  return sets;
+}
+
+/// One set of all clips; clips that must stay are taken out and the rest coded again.
+std::vector<EncodedSet> encode_standard_sets(const Source& source, const CompressOptions& options,
+                                             const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
+  std::vector<std::size_t> clips(source.clips.size());
+  for (std::size_t i = 0; i < clips.size(); ++i) clips[i] = i;
+  StandardEncoder encoder(source, options);
+  while (!clips.empty()) {
+    EncodedSet set = encoder.encode(clips);
+    judge(source, options, meter, set, results);
+    std::vector<std::size_t> good;
+    for (const std::size_t i : clips)
+      if (results[static_cast<std::size_t>(source.clips[i].animation)].outcome == Outcome::compressed)
+        good.push_back(i);
+    if (good.size() == clips.size()) {
+      std::vector<EncodedSet> sets;
+      sets.push_back(std::move(set));
+      return sets;
+    }
+    clips = std::move(good);
+  }
+  return {};
+}
+
+}  // namespace
+
+CompressResult compress(const gltf::Document& document, const CompressOptions& options) {
+  const gltf::CompressedContent present = gltf::read_compression(document);
+  if (!present.animations.empty())
+    throw Error(ErrorCode::invalid_input,
+                document.name + ": its animations are compressed already; decode it first (gltf-nmc decode)");
+  Source source = read_source(document, options);
+  CompressResult result;
+  result.size = source.size;
+  result.tolerance = source.tolerance;
+  result.clips = source.results;
+  const std::vector<gltf::AnimationCost> before = gltf::animation_costs(document);
+  for (ClipResult& clip : result.clips) {
+    clip.keys_before = clip.keys_after = before[static_cast<std::size_t>(clip.animation)].key_bytes;
+    clip.json_before = clip.json_after = before[static_cast<std::size_t>(clip.animation)].json_bytes;
+  }
+  const motion::ErrorMeter meter(source.skeleton, source.all_points);
+  const std::vector<EncodedSet> sets = options.profile == Profile::paper
+                                           ? encode_paper_sets(source, options, meter, result.clips)
+                                           : encode_standard_sets(source, options, meter, result.clips);
+  result.document = document;
+  if (!sets.empty()) result.notes = gltf::apply_compression(result.document, edit_of(source, sets, options));
+  const std::vector<gltf::AnimationCost> after = gltf::animation_costs(result.document);
+  const std::size_t compressed = static_cast<std::size_t>(std::count_if(
+      result.clips.begin(), result.clips.end(), [](const ClipResult& c) { return c.outcome == Outcome::compressed; }));
+  std::size_t listed = 0;
+  for (const gltf::AnimationCost& cost : after) listed += cost.json_bytes;
+  const std::size_t total = gltf::total_cost(result.document).json_bytes;
+  const std::size_t shared = compressed && total > listed ? (total - listed) / compressed : 0;
+  for (ClipResult& clip : result.clips) {
+    const gltf::AnimationCost& cost = after[static_cast<std::size_t>(clip.animation)];
+    const bool taken = clip.outcome == Outcome::compressed;
+    clip.keys_after = cost.key_bytes + (taken ? clip.keys_after : 0);
+    clip.json_after = cost.json_bytes + (taken ? shared : 0);
+    if (!taken) clip.error = {};
+  }
+  return result;
+}
+
+}  // namespace nmc::codec

@@ -1,0 +1,16 @@
+// Brings what training left above the bound under it, by sparse corrections in time and parameter.
+#pragma once
+
+#include "base/points.h"
+#include "codec/clip_layout.h"
+#include "codec/motion_map.h"
+#include "codec/sparse_training.h"
+
+namespace nmc::codec {
+
+/// Adds atoms to `clip` until every point is within `bound` (world units) at every sample. False where that is not
+/// reached within `most_atoms`; the clip then has the atoms found so far.
+bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, double bound,
+             std::size_t most_atoms);
+
+}  // namespace nmc::codec

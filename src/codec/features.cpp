@@ -1,0 +1,38 @@
+#include "codec/features.h"
+
+#include <vector>
+
+#include "codec/reference_codec.h"
+
+namespace nmc::codec {
+
+Eigen::MatrixXd window_features(Basis basis, std::uint32_t window_length, Eigen::Index count, Eigen::Index samples) {
+  nmc_clip clip{};
+  clip.basis = static_cast<std::uint8_t>(basis);
+  nmc_window window{};
+  window.length = window_length;
+  Eigen::MatrixXd features(count, samples);
+  std::vector<double> column(static_cast<std::size_t>(count) + 1);
+  for (Eigen::Index n = 0; n < samples; ++n) {
+    nmc_features(&clip, &window, static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(count), column.data());
+    for (Eigen::Index j = 0; j < count; ++j) features(j, n) = column[static_cast<std::size_t>(j) + 1];
+  }
+  return features;
+}
+
+Eigen::Index feature_limit(Basis basis, std::uint32_t window_length) {
+  if (basis == Basis::periodic) return window_length;  // cosines and sines up to half the rate
+  return static_cast<Eigen::Index>(window_length) - 1;
+}
+
+Eigen::MatrixXd anchor_shares(Basis basis, std::uint32_t window_length, Eigen::Index samples) {
+  Eigen::MatrixXd shares(2, samples);
+  for (Eigen::Index n = 0; n < samples; ++n) {
+    const double u = basis == Basis::cosine ? 0.0 : static_cast<double>(n) / window_length;
+    shares(0, n) = 1 - u;
+    shares(1, n) = u;
+  }
+  return shares;
+}
+
+}  // namespace nmc::codec

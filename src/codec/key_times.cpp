@@ -1,0 +1,90 @@
+#include "codec/key_times.h"
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace nmc::codec {
+namespace {
+
+std::size_t misses(const TimeFormula& formula, std::span<const float> times) {
+  std::size_t count = 0;
+  float previous = 0;
+  for (std::size_t n = 0; n < times.size(); ++n) {
+    if (formula_time(formula, static_cast<std::uint32_t>(n), previous) != times[n]) ++count;
+    previous = times[n];
+  }
+  return count;
+}
+
+/// A float step may be off by a unit in the last place from what two times show: its neighbours are tried as well.
+void add_float_steps(std::vector<TimeFormula>& candidates, TimeFormula formula, float step) {
+  for (const float s : {step, std::nextafter(step, 0.0f), std::nextafter(step, 1e30f)}) {
+    formula.step_seconds = s;
+    candidates.push_back(formula);
+  }
+}
+
+std::vector<TimeFormula> candidates_for(std::span<const float> times) {
+  std::vector<TimeFormula> candidates;
+  const double start = times.front();
+  const double step =
+      times.size() > 1 ? (static_cast<double>(times.back()) - start) / static_cast<double>(times.size() - 1) : 1.0;
+  const double rate = 1.0 / step;
+  const double whole = std::round(rate);
+  if (whole >= 1 && whole <= 1e6 && std::abs(whole - rate) <= 1e-3 * rate && std::abs(start * whole) < 1e9)
+    candidates.push_back(
+        {0, static_cast<std::int32_t>(std::round(start * whole)), static_cast<std::uint32_t>(whole), 0, 0, true});
+  const double first = std::round(start / step);
+  if (std::abs(first) < 1e6) {
+    const TimeFormula product{1, static_cast<std::int32_t>(first), 0, 0, 0, true};
+    add_float_steps(candidates, product, static_cast<float>(step));
+    if (times.size() > 1) add_float_steps(candidates, product, times[1] - times[0]);
+  }
+  candidates.push_back({2, 0, 0, times.front(), step, true});
+  candidates.push_back({2, 0, 0, times.front(), static_cast<double>(static_cast<float>(step)), true});
+  const TimeFormula sum{3, 0, 0, times.front(), 0, true};
+  add_float_steps(candidates, sum, static_cast<float>(step));
+  if (times.size() > 1) add_float_steps(candidates, sum, times[1] - times[0]);
+  return candidates;
+}
+
+}  // namespace
+
+float formula_time(const TimeFormula& formula, std::uint32_t n, float previous_seconds) {
+  switch (formula.mode) {
+    case 0:
+      return static_cast<float>((static_cast<double>(formula.first) + n) / formula.rate);
+    case 1: {
+      const volatile float product =
+          static_cast<float>(static_cast<double>(formula.first) + n) * static_cast<float>(formula.step_seconds);
+      return product;
+    }
+    case 2: {
+      const volatile double product = n * formula.step_seconds;  // volatile: no fused multiply-add
+      return static_cast<float>(static_cast<double>(formula.start_seconds) + product);
+    }
+    default: {
+      const volatile float sum =
+          n == 0 ? formula.start_seconds : previous_seconds + static_cast<float>(formula.step_seconds);
+      return sum;
+    }
+  }
+}
+
+TimeFormula fit_times(std::span<const float> times) {
+  TimeFormula best;
+  std::size_t fewest = times.size() + 1;
+  for (const TimeFormula& candidate : candidates_for(times)) {
+    const std::size_t count = misses(candidate, times);
+    if (count < fewest) {
+      fewest = count;
+      best = candidate;
+    }
+    if (fewest == 0) break;
+  }
+  best.exact = fewest == 0;
+  return best;
+}
+
+}  // namespace nmc::codec

@@ -1,0 +1,134 @@
+#include "codec/source.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "motion/error.h"
+
+namespace nmc::codec {
+namespace {
+
+glm::dmat4 matrix_of(const gltf::Node& node) {
+  glm::dmat4 m;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) m[column][row] = node.matrix[static_cast<std::size_t>(4 * column + row)];
+  return m;
+}
+
+motion::Transform transform_of(const gltf::Node& node) {
+  motion::Transform t;
+  t.translation = {node.translation[0], node.translation[1], node.translation[2]};
+  t.rotation = glm::normalize(glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]));
+  t.scale = {node.scale[0], node.scale[1], node.scale[2]};
+  return t;
+}
+
+Points points_of_joints(const motion::Skeleton& skeleton) {
+  Points points;
+  for (const int joint : skeleton.joints) {
+    const Influence origin{joint, {}, 1.0};
+    points.add(&origin, &origin + 1);
+  }
+  return points;
+}
+
+bool is_excluded(const std::string& name, const CompressOptions& options) {
+  return std::find(options.exclude.begin(), options.exclude.end(), name) != options.exclude.end();
+}
+
+/// Smooth curves are sampled so densely that straight lines between samples use up a small part of the tolerance only.
+constexpr double sampling_share = 0.2;
+
+motion::Clip make_clip(const std::string& name, const std::vector<Curve>& curves, double tolerance, double size) {
+  const double distance = sampling_share * tolerance;
+  const int parts = motion::needed_subdivisions(curves, distance / size, distance);
+  return motion::sample_clip(name, curves, motion::common_times(curves, parts));
+}
+
+std::size_t animated_nodes(const motion::Clip& clip) {
+  std::set<int> nodes;
+  for (const motion::Track& track : clip.tracks) nodes.insert(track.node);
+  return nodes.size();
+}
+
+}  // namespace
+
+motion::Skeleton make_skeleton(const gltf::Asset& asset) {
+  motion::Skeleton skeleton;
+  skeleton.order = asset.order;
+  for (const gltf::Node& node : asset.nodes) {
+    skeleton.names.push_back(node.name);
+    skeleton.parent.push_back(node.parent);
+    skeleton.rest.push_back(node.has_matrix ? motion::decompose(matrix_of(node)) : transform_of(node));
+    skeleton.rest_matrix.push_back(node.has_matrix ? matrix_of(node) : motion::to_matrix(skeleton.rest.back()));
+    skeleton.rest_weights.push_back(node.weights);
+  }
+  std::set<int> joints;
+  for (const gltf::Skin& skin : asset.skins) joints.insert(skin.joints.begin(), skin.joints.end());
+  skeleton.joints.assign(joints.begin(), joints.end());
+  return skeleton;
+}
+
+Source read_source(const gltf::Document& document, const CompressOptions& options) {
+  Source source;
+  source.asset = gltf::read_asset(document);
+  source.skeleton = make_skeleton(source.asset);
+  source.points = gltf::skin_points(document, source.asset);
+  source.all_points = gltf::skin_points(document, source.asset, true);
+  source.joint_points = source.skeleton.joints.empty() ? source.points : points_of_joints(source.skeleton);
+  source.size = motion::character_size(source.skeleton, source.all_points);
+  source.tolerance = options.tolerance.unit == Tolerance::Unit::world_units ? options.tolerance.value
+                                                                            : options.tolerance.value * source.size;
+  for (std::size_t i = 0; i < source.asset.animations.size(); ++i) {
+    const gltf::AnimationSource& animation = source.asset.animations[i];
+    ClipResult result;
+    result.animation = static_cast<int>(i);
+    result.name = animation.name;
+    if (is_excluded(animation.name, options))
+      result.reason = "excluded";
+    else if (animation.channels.empty())
+      result.reason = animation.untouched.empty() ? "it has no channels" : animation.untouched.front().reason;
+    source.results.push_back(result);
+    if (!result.reason.empty()) continue;
+    ClipSource clip;
+    clip.animation = static_cast<int>(i);
+    clip.name = animation.name;
+    clip.original.name = clip.kept.name = animation.name;
+    std::vector<Curve> taken;
+    for (const gltf::Channel& channel : animation.channels) {
+      clip.channels.push_back(channel.channel);
+      taken.push_back(channel.curve);
+    }
+    clip.original.curves = taken;
+    clip.clip = make_clip(animation.name, taken, source.tolerance, source.size);
+    ClipResult& made = source.results.back();
+    made.frames = clip.clip.times.size();
+    made.joints = animated_nodes(clip.clip);
+    made.duration_seconds = static_cast<double>(clip.clip.times.back()) - clip.clip.times.front();
+    source.clips.push_back(std::move(clip));
+  }
+  return source;
+}
+
+std::vector<NodeTarget> common_targets(const motion::Skeleton& skeleton,
+                                       const std::vector<const motion::Clip*>& clips) {
+  std::vector<std::size_t> rank(skeleton.size());
+  for (std::size_t i = 0; i < skeleton.order.size(); ++i) rank[static_cast<std::size_t>(skeleton.order[i])] = i;
+  std::map<std::pair<std::size_t, Path>, NodeTarget> found;
+  for (const motion::Clip* clip : clips)
+    for (const motion::Track& track : clip->tracks)
+      found[{rank[static_cast<std::size_t>(track.node)], track.path}] = {track.node, track.path, track.width};
+  std::vector<NodeTarget> targets;
+  for (const auto& [key, target] : found) targets.push_back(target);
+  return targets;
+}
+
+const motion::Track* find_track(const motion::Clip& clip, const NodeTarget& target) {
+  for (const motion::Track& track : clip.tracks)
+    if (track.node == target.node && track.path == target.path) return &track;
+  return nullptr;
+}
+
+}  // namespace nmc::codec

@@ -1,0 +1,63 @@
+// A document's animations made ready for the codec: skeleton, points, and each animation's channels as a clip.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/animation.h"
+#include "base/points.h"
+#include "codec/compress.h"
+#include "gltf/asset.h"
+#include "motion/clip.h"
+#include "motion/skeleton.h"
+
+namespace nmc::codec {
+
+/// One animation of the file, as far as the codec takes it.
+struct ClipSource {
+  int animation = 0;
+  std::string name;
+  std::vector<int> channels;  ///< indices in animation.channels that the clip replaces
+  Animation original;         ///< all readable curves, also those that stay
+  Animation kept;             ///< the curves that stay in the file beside the clip
+  motion::Clip clip;          ///< the taken curves on a common time grid
+};
+
+struct Source {
+  gltf::Asset asset;
+  motion::Skeleton skeleton;
+  Points points;                    ///< joints and extreme vertices
+  Points joint_points;              ///< joints alone (the paper's error); the same as `points` where there is no skin
+  Points all_points;                ///< joints and every vertex, for the last check
+  double size = 1;                  ///< world units
+  double tolerance = 0;             ///< world units
+  std::vector<ClipSource> clips;    ///< one per animation of the file that has something to take
+  std::vector<ClipResult> results;  ///< one per animation of the file, filled as far as known before coding
+};
+
+/// Reads and samples. Throws Error as gltf::read_asset does.
+Source read_source(const gltf::Document& document, const CompressOptions& options);
+
+/// A target of a clip set with the node it moves.
+struct NodeTarget {
+  int node = -1;
+  Path path = Path::translation;
+  int width = 3;
+};
+
+/// The targets of some clips: all properties that one of them animates, parents before children.
+std::vector<NodeTarget> common_targets(const motion::Skeleton& skeleton, const std::vector<const motion::Clip*>& clips);
+
+/// The track of a clip for a target, or null.
+const motion::Track* find_track(const motion::Clip& clip, const NodeTarget& target);
+
+/// A stream made by a profile: the targets it moves and the clips (indices into Source::clips) it holds.
+struct EncodedSet {
+  std::vector<NodeTarget> targets;
+  std::vector<std::uint8_t> stream;
+  std::vector<std::size_t> clips;
+  std::vector<int> frequencies;  ///< per clip: the most that one pose uses
+  std::vector<double> seconds;   ///< per clip: time spent
+};
+
+}  // namespace nmc::codec

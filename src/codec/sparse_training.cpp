@@ -1,0 +1,334 @@
+#include "codec/sparse_training.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "codec/features.h"
+
+namespace nmc::codec {
+namespace {
+
+using Matrix = Eigen::MatrixXf;
+
+/// Numbers under training with the moments of Adam (Kingma and Ba 2015).
+struct Trained {
+  Matrix level, gradient, first, second;
+
+  void start(Matrix levels) {
+    level = std::move(levels);
+    gradient = first = second = Matrix::Zero(level.rows(), level.cols());
+  }
+
+  void step(float rate, float first_correction, float second_correction) {
+    constexpr float beta1 = 0.9f, beta2 = 0.99f;
+    first = beta1 * first + (1 - beta1) * gradient;
+    second = beta2 * second + (1 - beta2) * gradient.cwiseAbs2();
+    level.array() -= rate * (first.array() * first_correction) / ((second.array() * second_correction).sqrt() + 1e-8f);
+  }
+};
+
+struct Window {
+  Eigen::Index first = 0, samples = 0;  ///< owned samples
+  std::uint32_t length = 1;
+  Matrix features;       ///< count x samples
+  Matrix shares;         ///< 2 x samples
+  Eigen::VectorXf step;  ///< per parameter
+  Trained weights;       ///< parameters x count
+};
+
+Matrix rounded(const Matrix& levels) { return levels.array().round().matrix(); }
+
+/// d log2(1 + 3 u^2) / du: the slope of a smooth stand-in for a level's bits.
+template <typename Derived>
+auto rate_slope(const Eigen::ArrayBase<Derived>& u) {
+  return 8.656170245f * u / (1.0f + 3.0f * u.square());
+}
+
+class Trainer {
+ public:
+  Trainer(const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const AnchorGuess& guess,
+          const SparseSettings& settings)
+      : layout_(layout),
+        steps_(steps),
+        map_(map),
+        settings_(settings),
+        parameters_(layout.values.rows()),
+        samples_(layout.values.cols()) {
+    moves_.resize(parameters_);
+    guess_ = Eigen::VectorXf::Zero(parameters_);
+    for (Eigen::Index i = 0; i < parameters_; ++i) {
+      moves_(i) = layout.parameters[static_cast<std::size_t>(i)].moves ? 1.0f : 0.0f;
+      if (!guess.empty()) guess_(i) = static_cast<float>(guess[static_cast<std::size_t>(i)]);
+    }
+    anchor_step_ = steps.anchor.cast<float>();
+    truth_ = layout.values.cast<float>();
+    start_anchors();
+    start_windows();
+  }
+
+  LevelClip run() {
+    if (settings_.iterations > 0) train();
+    return result();
+  }
+
+ private:
+  bool single_anchor() const { return settings_.basis == Basis::cosine; }
+
+  void start_anchors() {
+    const std::size_t rows = single_anchor() ? 1 : settings_.boundaries.size();
+    Matrix anchors(parameters_, static_cast<Eigen::Index>(rows));
+    for (std::size_t r = 0; r < rows; ++r) {
+      const auto column = static_cast<Eigen::Index>(r);
+      if (single_anchor())
+        anchors.col(column) = truth_.rowwise().mean();
+      else if (settings_.basis == Basis::periodic)
+        anchors.col(column) = periodic_anchor(column);
+      else
+        anchors.col(column) = truth_.col(std::min<Eigen::Index>(settings_.boundaries[r], samples_ - 1));
+    }
+    anchors.array().colwise() /= anchor_step_.array();
+    anchors_.start(std::move(anchors));
+    tie_fixed();
+  }
+
+  /// The whole cycles have no mean of their own: the line between the two anchors carries it, and the drift.
+  Eigen::VectorXf periodic_anchor(Eigen::Index column) const {
+    const Eigen::VectorXf drift = truth_.col(samples_ - 1) - truth_.col(0);
+    Eigen::VectorXf mean = truth_.leftCols(samples_ - 1).rowwise().mean();
+    mean += drift * (0.5f / static_cast<float>(samples_ - 1));
+    return mean + drift * (static_cast<float>(column) - 0.5f);
+  }
+
+  /// A fixed target has one value: all its anchors are the first.
+  void tie_fixed() {
+    for (Eigen::Index i = 0; i < parameters_; ++i)
+      if (moves_(i) == 0) anchors_.level.row(i).setConstant(anchors_.level(i, 0));
+  }
+
+  void start_windows() {
+    for (std::size_t w = 0; w + 1 < settings_.boundaries.size(); ++w) {
+      Window window;
+      window.first = settings_.boundaries[w];
+      window.length = settings_.boundaries[w + 1] - settings_.boundaries[w];
+      const bool last = w + 2 == settings_.boundaries.size();
+      window.samples = last ? samples_ - window.first : window.length;
+      window.shares = anchor_shares(settings_.basis, window.length, window.samples).cast<float>();
+      const double scale = std::exp2(-settings_.step_exponent / 4.0) * std::sqrt(2.0 / window.length);
+      window.step = (steps_.slot * scale).cast<float>();
+      start_weights(window, w);
+      windows_.push_back(std::move(window));
+    }
+  }
+
+  void start_weights(Window& window, std::size_t w) {
+    const Eigen::Index limit = feature_limit(settings_.basis, window.length);
+    const Matrix all = window_features(settings_.basis, window.length, limit, window.samples).cast<float>();
+    Matrix rest = truth_.middleCols(window.first, window.samples) - anchor_values(window, w);
+    if (settings_.basis != Basis::cosine && window.samples > window.length) rest.col(window.length).setZero();
+    Matrix levels = rest * all.transpose() * (2.0f / static_cast<float>(window.length));
+    if (settings_.basis == Basis::periodic && window.length % 2 == 0 && limit >= 1)
+      levels.col(limit - 1) *= 0.5f;  // the cosine at half the rate
+    levels.array().colwise() *= moves_.array() / window.step.array();
+    // Features beyond the last level that could matter stay out.
+    Eigen::Index count = limit;
+    while (count > 0 && levels.col(count - 1).cwiseAbs().maxCoeff() < 0.5f) --count;
+    count = std::min(limit, count);
+    window.features = all.topRows(count);
+    window.weights.start(levels.leftCols(count));
+  }
+
+  Matrix anchor_values(const Window& window, std::size_t w) const {
+    const auto first = static_cast<Eigen::Index>(single_anchor() ? 0 : w);
+    const auto second = single_anchor() ? 0 : first + 1;
+    Matrix ends(parameters_, 2);
+    ends.col(0) = anchors_.level.col(first).array().round() * anchor_step_.array();
+    ends.col(1) = anchors_.level.col(second).array().round() * anchor_step_.array();
+    return ends * window.shares;
+  }
+
+  Matrix values() const {
+    Matrix out(parameters_, samples_);
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+      const Window& window = windows_[w];
+      out.middleCols(window.first, window.samples) = anchor_values(window, w);
+      if (window.features.rows() > 0)
+        out.middleCols(window.first, window.samples).noalias() +=
+            window.step.asDiagonal() * rounded(window.weights.level) * window.features;
+    }
+    return out;
+  }
+
+  void backward(const Matrix& gradient, float rate_weight) {
+    anchors_.gradient.setZero();
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+      Window& window = windows_[w];
+      const auto part = gradient.middleCols(window.first, window.samples);
+      const auto first = static_cast<Eigen::Index>(single_anchor() ? 0 : w);
+      const Matrix ends = part * window.shares.transpose();
+      anchors_.gradient.col(first) += ends.col(0);
+      if (!single_anchor()) anchors_.gradient.col(first + 1) += ends.col(1);
+      if (window.features.rows() == 0) continue;
+      window.weights.gradient.noalias() =
+          window.step.cwiseProduct(moves_).asDiagonal() * part * window.features.transpose();
+      window.weights.gradient.array() += rate_weight * rate_slope(window.weights.level.array());
+    }
+    anchors_.gradient.array().colwise() *= anchor_step_.array();
+    for (Eigen::Index i = 0; i < parameters_; ++i)
+      if (moves_(i) == 0) anchors_.gradient.row(i).setConstant(anchors_.gradient.row(i).sum());
+    // An anchor costs the bits of its difference to what predicts it.
+    for (Eigen::Index r = 0; r < anchors_.level.cols(); ++r) {
+      const Eigen::ArrayXf before =
+          r ? Eigen::ArrayXf(anchors_.level.col(r - 1).array()) : Eigen::ArrayXf(guess_.array());
+      const Eigen::ArrayXf slope = rate_weight * rate_slope(anchors_.level.col(r).array() - before);
+      anchors_.gradient.col(r).array() += slope;
+      if (r) anchors_.gradient.col(r - 1).array() -= slope;
+    }
+  }
+
+  static double norm_of(double progress) { return progress < 0.2 ? 2 : progress < 0.45 ? 4 : 6; }
+
+  /// Weights of the squared errors, so that their sum behaves like a p-norm: reweighted least squares towards the
+  /// largest error.
+  void weigh(double p) {
+    const auto points = map_.point_count();
+    const float unit = static_cast<float>(1.0 / (settings_.tolerance * settings_.tolerance));
+    weight_.resize(points + (error_.rows() - 3 * points), samples_);
+    for (Eigen::Index q = 0; q < weight_.rows(); ++q) {
+      const bool point = q < points;
+      Eigen::Array<float, 1, Eigen::Dynamic> square;
+      if (point)
+        square = error_.middleRows(3 * q, 3).square().colwise().sum() * unit;
+      else
+        square = error_.row(2 * points + q).square() * unit;
+      if (p == 2)
+        weight_.row(q).setConstant(1.05f);
+      else if (p == 4)
+        weight_.row(q) = square.min(100.0f) + 0.05f;
+      else
+        weight_.row(q) = (square * square).min(100.0f) + 0.05f;
+    }
+  }
+
+  void train() {
+    const int refresh = 50;
+    for (int it = 0; it < settings_.iterations; ++it) {
+      const double progress = static_cast<double>(it) / settings_.iterations;
+      const Matrix now = values();
+      if (it % refresh == 0) {
+        const Eigen::MatrixXd middle = 0.5 * (now.cast<double>() + layout_.values);
+        map_.linearise(middle);
+      }
+      delta_ = (now - truth_).array();
+      map_.errors(delta_, error_);
+      weigh(norm_of(progress));
+      const auto points = map_.point_count();
+      const float unit = static_cast<float>(2.0 / (settings_.tolerance * settings_.tolerance));
+      for (Eigen::Index q = 0; q < weight_.rows(); ++q) {
+        if (q < points)
+          for (int a = 0; a < 3; ++a) error_.row(3 * q + a) *= unit * weight_.row(q);
+        else
+          error_.row(2 * points + q) *= unit * weight_.row(q);
+      }
+      map_.gradient(error_, gradient_);
+      const double mean_weight = weight_.cast<double>().sum() / static_cast<double>(samples_);
+      const double step = std::exp2(-settings_.step_exponent / 2.0);
+      // The slope of distortion over rate of a uniform quantiser, 2 ln 2 step^2 / 12, times the caller's factor.
+      const auto rate_weight = static_cast<float>(settings_.rate * 0.1155 * step * mean_weight);
+      add_shell(unit);
+      backward(gradient_.matrix(), rate_weight);
+      const float speed = static_cast<float>(0.5 * (1 + std::cos(3.14159265358979 * progress)));
+      const float c1 = static_cast<float>(1 / (1 - std::pow(0.9, it + 1))),
+                  c2 = static_cast<float>(1 / (1 - std::pow(0.99, it + 1)));
+      for (Window& window : windows_)
+        if (window.features.rows() > 0) window.weights.step(0.15f * speed, c1, c2);
+      anchors_.step(0.3f * speed, c1, c2);
+      tie_fixed();
+    }
+  }
+
+  /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little.
+  void add_shell(float unit) {
+    for (Eigen::Index i = 0; i < parameters_; ++i) {
+      const auto reach = static_cast<float>(shell_share * settings_.tolerance / steps_.slot(i));
+      gradient_.row(i) += unit * reach * reach * delta_.row(i);
+    }
+  }
+
+  LevelClip result() const {
+    LevelClip clip;
+    clip.basis = settings_.basis;
+    clip.step_exponent = settings_.step_exponent;
+    for (Eigen::Index r = 0; r < anchors_.level.cols(); ++r)
+      for (Eigen::Index i = 0; i < parameters_; ++i)
+        clip.anchors.push_back(static_cast<std::int32_t>(std::lround(anchors_.level(i, r))));
+    for (const Window& window : windows_) {
+      LevelWindow made{static_cast<std::uint32_t>(window.first), window.length, {}};
+      for (Eigen::Index i = 0; i < parameters_; ++i)
+        for (Eigen::Index j = 0; j < window.weights.level.cols(); ++j)
+          if (const long level = std::lround(window.weights.level(i, j)); level != 0 && moves_(i) != 0)
+            made.weights.push_back({static_cast<int>(j) + 1, static_cast<int>(i), static_cast<std::int32_t>(level)});
+      clip.windows.push_back(std::move(made));
+    }
+    return clip;
+  }
+
+  static constexpr double shell_share = 0.05;
+
+  const ClipLayout& layout_;
+  const ParameterSteps& steps_;
+  MotionMap& map_;
+  const SparseSettings& settings_;
+  Eigen::Index parameters_, samples_;
+  Eigen::VectorXf moves_, guess_, anchor_step_;
+  Matrix truth_;
+  Trained anchors_;
+  std::vector<Window> windows_;
+  Rows delta_, error_, weight_, gradient_;
+};
+
+}  // namespace
+
+LevelClip train_sparse(const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const AnchorGuess& guess,
+                       const SparseSettings& settings) {
+  return Trainer(layout, steps, map, guess, settings).run();
+}
+
+Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples) {
+  const Eigen::Index parameters = steps.slot.size();
+  Eigen::MatrixXd values(parameters, samples);
+  for (std::size_t w = 0; w < clip.windows.size(); ++w) {
+    const LevelWindow& window = clip.windows[w];
+    const Eigen::Index first = window.begin;
+    const Eigen::Index count =
+        w + 1 == clip.windows.size() ? samples - first : static_cast<Eigen::Index>(window.length);
+    const std::size_t row = clip.basis == Basis::cosine ? 0 : w;
+    const std::size_t next = clip.basis == Basis::cosine ? 0 : w + 1;
+    Eigen::MatrixXd ends(parameters, 2);
+    for (Eigen::Index i = 0; i < parameters; ++i) {
+      const auto p = static_cast<std::size_t>(parameters), k = static_cast<std::size_t>(i);
+      ends(i, 0) = clip.anchors[row * p + k] * steps.anchor(i);
+      ends(i, 1) = clip.anchors[next * p + k] * steps.anchor(i);
+    }
+    values.middleCols(first, count) = ends * anchor_shares(clip.basis, window.length, count);
+    int most = 0;
+    for (const LevelWeight& weight : window.weights) most = std::max(most, weight.feature);
+    if (most == 0) continue;
+    const Eigen::MatrixXd features = window_features(clip.basis, window.length, most, count);
+    const double scale = std::exp2(-clip.step_exponent / 4.0) * std::sqrt(2.0 / window.length);
+    for (const LevelWeight& weight : window.weights)
+      values.row(weight.parameter).segment(first, count) +=
+          weight.level * steps.slot(weight.parameter) * scale * features.row(weight.feature - 1);
+  }
+  for (const LevelAtom& atom : clip.atoms) {
+    const Eigen::Index half = Eigen::Index{1} << atom.width;
+    for (Eigen::Index n = std::max<Eigen::Index>(0, atom.sample - half + 1);
+         n < std::min<Eigen::Index>(samples, atom.sample + half); ++n) {
+      const double away = std::abs(static_cast<double>(n) - atom.sample) / static_cast<double>(half);
+      values(atom.parameter, n) +=
+          atom.level * steps.anchor(atom.parameter) * 0.5 * (1 + std::cos(3.14159265358979323846 * away));
+    }
+  }
+  return values;
+}
+
+}  // namespace nmc::codec

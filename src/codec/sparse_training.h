@@ -1,0 +1,41 @@
+// Trains the sparse Fourier layer of one clip through kinematics, with the rate of its levels in the loss.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "codec/clip_layout.h"
+#include "codec/clip_set.h"
+#include "codec/motion_map.h"
+
+namespace nmc::codec {
+
+/// Steps per parameter of a clip, in the parameter's unit.
+struct ParameterSteps {
+  Eigen::VectorXd slot;    ///< times 2^(-step_exponent / 4) sqrt(2 / window length): one level of a weight
+  Eigen::VectorXd anchor;  ///< one level of an anchor or an atom
+};
+
+struct SparseSettings {
+  Basis basis = Basis::cosine;
+  std::vector<std::uint32_t>
+      boundaries;  ///< window begins and the clip's end: sample indices, first 0; end = samples - 1 (cosine: samples)
+  int step_exponent = 0;
+  double rate = 0.25;    ///< how much a bit weighs against error
+  int iterations = 300;  ///< 0: the rounded transform
+  double tolerance = 1;  ///< world units
+};
+
+/// Where a clip's first anchor is predicted from; empty: zero.
+using AnchorGuess = std::vector<std::int32_t>;
+
+/// Anchors and windows of a clip (times, states, atoms and reference are left to the caller). `map` is linearised anew
+/// as needed.
+LevelClip train_sparse(const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const AnchorGuess& guess,
+                       const SparseSettings& settings);
+
+/// The parameters (parameters x samples) that levels stand for.
+Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples);
+
+}  // namespace nmc::codec

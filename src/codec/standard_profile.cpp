@@ -1,0 +1,303 @@
+#include "codec/standard_profile.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+
+#include "base/parallel.h"
+#include "codec/clip_layout.h"
+#include "codec/corrections.h"
+#include "codec/motion_map.h"
+#include "codec/sparse_training.h"
+#include "motion/error.h"
+
+namespace nmc::codec {
+namespace {
+
+/// Anchors' steps are this much finer than slots' (2^(-exponent / 4)).
+constexpr int anchor_exponent = 10;
+
+/// The part of the tolerance that is aimed at: the rest covers what lies between samples and points.
+constexpr double aim = 0.985;
+
+struct Setting {
+  int step_exponent = 0;
+  double rate = 0.25;
+  int iterations = 300;
+};
+
+std::vector<Setting> settings_of(int effort) {
+  if (effort <= 1) return {{-2, 0.3, 100}};
+  if (effort <= 3) return {{-2, 0.3, 200}};
+  if (effort <= 5) return {{-4, 0.2, 300}, {0, 0.4, 300}};
+  std::vector<Setting> grid;
+  for (const int exponent : {-6, -3, 0, 3})
+    for (const double rate : {0.1, 0.25, 0.6}) grid.push_back({exponent, rate, effort >= 9 ? 1000 : 500});
+  return grid;
+}
+
+std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length) {
+  const std::size_t last = samples - 1;
+  const std::size_t windows = std::max<std::size_t>(1, (last + length / 2) / length);
+  std::vector<std::uint32_t> boundaries;
+  for (std::size_t k = 0; k <= windows; ++k) boundaries.push_back(static_cast<std::uint32_t>(k * last / windows));
+  return boundaries;
+}
+
+/// Bases and window cuts worth trying for a clip.
+std::vector<SparseSettings> cuts_of(std::size_t samples) {
+  std::vector<SparseSettings> cuts;
+  const auto whole = static_cast<std::uint32_t>(samples);
+  if (samples <= 400) cuts.push_back({Basis::cosine, {0, whole}, 0, 0, 0, 1});
+  if (samples >= 8 && samples <= 400) cuts.push_back({Basis::periodic, {0, whole - 1}, 0, 0, 0, 1});
+  if (samples > 200) cuts.push_back({Basis::sine, even_windows(samples, 128), 0, 0, 0, 1});
+  return cuts;
+}
+
+struct Prepared {
+  ClipLayout layout;
+  ParameterSteps steps;
+};
+
+std::int32_t to_level(double value, double step) { return static_cast<std::int32_t>(std::lround(value / step)); }
+
+}  // namespace
+
+struct StandardEncoder::State {
+  const Source& source;
+  const CompressOptions& options;
+  motion::ErrorMeter meter;
+  SetFrame frame;
+  ClipSet set;                     ///< targets, steps and references; clips of the whole file, in order
+  std::vector<Prepared> prepared;  ///< per clip
+  std::vector<double> seconds;
+
+  State(const Source& s, const CompressOptions& o) : source(s), options(o), meter(s.skeleton, s.all_points) {}
+
+  void make_set();
+  ParameterSteps steps_for(const ClipLayout& layout) const;
+  std::size_t bytes_of(const LevelClip& clip) const;
+  LevelClip train(std::size_t clip) const;
+  bool within_bound(std::size_t clip, LevelClip& levels) const;
+  void choose_references(ClipSet& chosen) const;
+};
+
+ParameterSteps StandardEncoder::State::steps_for(const ClipLayout& layout) const {
+  const auto count = static_cast<Eigen::Index>(layout.parameters.size());
+  ParameterSteps steps{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Parameter& parameter = layout.parameters[static_cast<std::size_t>(i)];
+    steps.slot(i) = slot_step(set, set.targets[parameter.target], parameter.axis);
+    steps.anchor(i) = anchor_step(set, set.targets[parameter.target], parameter.axis);
+  }
+  return steps;
+}
+
+/// Steps from how far a unit of each parameter moves the farthest point; the reference pose in whole steps.
+void StandardEncoder::State::make_set() {
+  std::vector<const motion::Clip*> clips;
+  for (const ClipSource& clip : source.clips) clips.push_back(&clip.clip);
+  frame = mean_frame(source.skeleton, clips);
+  std::vector<std::vector<double>> square(frame.targets.size(), std::vector<double>(4, 0.0));
+  std::vector<std::vector<double>> weight(frame.targets.size(), std::vector<double>(4, 0.0));
+  std::mutex lock;
+  std::vector<Eigen::VectorXd> reaches(clips.size());
+  std::vector<ClipLayout> layouts(clips.size());
+  parallel_for(clips.size(), options.threads, [&](std::size_t c) {
+    layouts[c] = layout_clip(*clips[c], frame);
+    MotionMap map(source.skeleton, frame, layouts[c], source.points);
+    map.linearise(layouts[c].values);
+    reaches[c] = map.reach();
+  });
+  for (auto& w : square) w.resize(64, 0.0);
+  for (auto& w : weight) w.resize(64, 0.0);
+  for (std::size_t c = 0; c < clips.size(); ++c)
+    for (std::size_t i = 0; i < layouts[c].parameters.size(); ++i) {
+      const Parameter& parameter = layouts[c].parameters[i];
+      const auto axis = static_cast<std::size_t>(std::min(parameter.axis, 63));
+      const double samples = static_cast<double>(layouts[c].values.cols());
+      const double reach = reaches[c](static_cast<Eigen::Index>(i));
+      square[parameter.target][axis] += samples * reach * reach;
+      weight[parameter.target][axis] += samples;
+    }
+  set.base_step = static_cast<float>(source.tolerance / source.size);
+  set.anchor_exponent = anchor_exponent;
+  for (std::size_t t = 0; t < frame.targets.size(); ++t) {
+    const NodeTarget& target = frame.targets[t];
+    SetTarget made{target.path, target.width, {}, {}, {}};
+    for (int a = 0; a < target.width; ++a) {
+      const auto k = static_cast<std::size_t>(std::min(a, 63));
+      const double reach = weight[t][k] > 0 ? std::sqrt(square[t][k] / weight[t][k]) : 0.0;
+      const double least = target.path == Path::translation ? 1e-3 : 0.01 * source.size;
+      const double relative = std::max(reach, least) / source.size;
+      made.step_exponents.push_back(std::clamp(static_cast<int>(std::lround(2 * std::log2(relative))), -100, 100));
+    }
+    if (target.path == Path::rotation) {
+      const glm::dvec3 v = motion::rotation_vector(frame.rotation_reference[t]);
+      glm::dvec3 quantised(0.0);
+      for (int a = 0; a < 3; ++a) {
+        const double step = anchor_step(set, made, a);
+        made.reference.push_back(to_level(v[a], step));
+        quantised[a] = static_cast<float>(static_cast<float>(made.reference.back()) * step);
+      }
+      frame.rotation_reference[t] = motion::rotation_of_vector(quantised);
+    } else {
+      for (int a = 0; a < target.width; ++a) {
+        const double step = anchor_step(set, made, a), usual = target.path == Path::scale ? 1.0 : 0.0;
+        made.reference.push_back(to_level(frame.value_reference[t][static_cast<std::size_t>(a)] - usual, step));
+        frame.value_reference[t][static_cast<std::size_t>(a)] = usual + made.reference.back() * step;
+      }
+    }
+    set.targets.push_back(std::move(made));
+  }
+  prepared.resize(clips.size());
+  parallel_for(clips.size(), options.threads, [&](std::size_t c) {
+    prepared[c].layout = layout_clip(*clips[c], frame);
+    prepared[c].steps = steps_for(prepared[c].layout);
+  });
+}
+
+std::size_t StandardEncoder::State::bytes_of(const LevelClip& clip) const {
+  ClipSet alone = set;
+  alone.clips = {clip};
+  const PartBits bits = count_bits(alone);
+  return static_cast<std::size_t>((bits.anchors + bits.weights + bits.atoms) / 8) + 1;
+}
+
+/// Measures what the levels mean between the file's keys and at every vertex; where that is above the bound, corrects
+/// further.
+bool StandardEncoder::State::within_bound(std::size_t index, LevelClip& levels) const {
+  const ClipSource& clip = source.clips[index];
+  const Prepared& from = prepared[index];
+  MotionMap map(source.skeleton, frame, from.layout, source.points);
+  double bound = aim * source.tolerance;
+  for (int round = 0; round < 6; ++round) {
+    if (!correct(levels, from.layout, from.steps, map, bound, 20 + 4 * clip.clip.times.size())) return false;
+    const Eigen::MatrixXd values = values_of_levels(levels, from.steps, from.layout.values.cols());
+    Animation decoded = motion::to_animation(clip_of_parameters(clip.clip, frame, from.layout, values));
+    decoded.curves.insert(decoded.curves.end(), clip.kept.curves.begin(), clip.kept.curves.end());
+    const std::vector<double> errors = meter.profile(clip.original, decoded).max_error;
+    const double largest = *std::max_element(errors.begin(), errors.end());
+    if (largest <= 0.999 * source.tolerance) return true;
+    bound *= 0.99 * source.tolerance / largest;
+  }
+  return false;
+}
+
+LevelClip StandardEncoder::State::train(std::size_t index) const {
+  const Prepared& from = prepared[index];
+  std::optional<LevelClip> best;
+  std::size_t best_bytes = std::numeric_limits<std::size_t>::max();
+  const auto offer = [&](LevelClip levels) {
+    levels.times = source.clips[index].clip.times;
+    levels.states = from.layout.states;
+    if (bytes_of(levels) >= best_bytes || !within_bound(index, levels)) return;
+    const std::size_t bytes = bytes_of(levels);
+    if (bytes >= best_bytes) return;
+    best_bytes = bytes;
+    best = std::move(levels);
+  };
+  MotionMap map(source.skeleton, frame, from.layout, source.points);
+  for (SparseSettings cut : cuts_of(source.clips[index].clip.times.size())) {
+    cut.tolerance = source.tolerance;
+    for (const Setting& setting : settings_of(options.effort)) {
+      cut.step_exponent = setting.step_exponent;
+      cut.rate = setting.rate;
+      cut.iterations = setting.iterations;
+      offer(train_sparse(from.layout, from.steps, map, {}, cut));
+    }
+    cut.iterations = 0;
+    cut.step_exponent = 4;
+    if (!best) offer(train_sparse(from.layout, from.steps, map, {}, cut));
+    cut.step_exponent = 12;
+    if (!best) offer(train_sparse(from.layout, from.steps, map, {}, cut));
+  }
+  if (best) return *best;
+  SparseSettings cut = cuts_of(source.clips[index].clip.times.size()).front();
+  cut.tolerance = source.tolerance;
+  cut.iterations = 0;
+  cut.step_exponent = 8;
+  LevelClip levels = train_sparse(from.layout, from.steps, map, {}, cut);
+  levels.times = source.clips[index].clip.times;
+  levels.states = from.layout.states;
+  return levels;
+}
+
+StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& options)
+    : state_(std::make_unique<State>(source, options)) {
+  if (source.clips.empty()) return;
+  state_->make_set();
+  state_->set.clips.resize(source.clips.size());
+  state_->seconds.resize(source.clips.size());
+  std::mutex lock;
+  std::size_t done = 0;
+  parallel_for(source.clips.size(), options.threads, [&](std::size_t i) {
+    const auto start = std::chrono::steady_clock::now();
+    state_->set.clips[i] = state_->train(i);
+    state_->seconds[i] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!options.progress) return;
+    const std::lock_guard guard(lock);
+    options.progress(static_cast<double>(++done) / static_cast<double>(source.clips.size()), source.clips[i].name);
+  });
+}
+
+StandardEncoder::~StandardEncoder() = default;
+
+EncodedSet StandardEncoder::encode(const std::vector<std::size_t>& clips) {
+  EncodedSet encoded;
+  encoded.targets = state_->frame.targets;
+  ClipSet chosen = state_->set;
+  chosen.clips.clear();
+  for (const std::size_t i : clips) {
+    chosen.clips.push_back(state_->set.clips[i]);
+    encoded.seconds.push_back(state_->seconds[i]);
+    int most = 0;
+    for (const LevelWindow& window : chosen.clips.back().windows)
+      for (const LevelWeight& weight : window.weights) most = std::max(most, weight.feature);
+    encoded.frequencies.push_back(most);
+  }
+  state_->choose_references(chosen);
+  encoded.clips = clips;
+  encoded.stream = write_clip_set(chosen);
+  return encoded;
+}
+
+/// Each clip's first anchor pose is predicted from the earlier clip whose last one is nearest, in bits.
+void StandardEncoder::State::choose_references(ClipSet& chosen) const {
+  const auto pose_of = [&](const LevelClip& clip, bool last) {
+    std::vector<std::int32_t> pose;
+    std::size_t parameters = 0;
+    for (std::size_t t = 0; t < chosen.targets.size(); ++t)
+      parameters += static_cast<std::size_t>(parameter_count(chosen.targets[t], clip.states[t]));
+    std::size_t at = last && parameters ? clip.anchors.size() - parameters : 0;
+    for (std::size_t t = 0; t < chosen.targets.size(); ++t) {
+      const int count = parameter_count(chosen.targets[t], clip.states[t]);
+      for (int a = 0; a < chosen.targets[t].width; ++a)
+        pose.push_back(a < count && clip.states[t] != codec::State::quaternion
+                           ? clip.anchors[at + static_cast<std::size_t>(a)]
+                           : 0);
+      at += static_cast<std::size_t>(count);
+    }
+    return pose;
+  };
+  std::vector<std::vector<std::int32_t>> ends;
+  for (LevelClip& clip : chosen.clips) {
+    const std::vector<std::int32_t> first = pose_of(clip, false);
+    double least = std::numeric_limits<double>::max();
+    for (int r = -1; r < static_cast<int>(ends.size()); ++r) {
+      double bits = 0;
+      for (std::size_t i = 0; i < first.size(); ++i)
+        bits += std::log2(1.0 + 3.0 * std::pow(first[i] - (r < 0 ? 0 : ends[static_cast<std::size_t>(r)][i]), 2));
+      if (bits < least) {
+        least = bits;
+        clip.reference = r;
+      }
+    }
+    ends.push_back(pose_of(clip, true));
+  }
+}
+
+}  // namespace nmc::codec

@@ -1,0 +1,49 @@
+// Compares the animations of two files.
+#include "base/error.h"
+#include "codec/compress.h"
+
+namespace nmc::codec {
+namespace {
+
+void check_nodes(const gltf::Document& a, const gltf::Asset& original, const gltf::Document& b,
+                 const gltf::Asset& other) {
+  if (original.nodes.size() != other.nodes.size())
+    throw Error(ErrorCode::invalid_input, b.name + " has " + std::to_string(other.nodes.size()) + " nodes but " +
+                                              a.name + " has " + std::to_string(original.nodes.size()) +
+                                              "; verify compares a file with what was made from it");
+  for (std::size_t i = 0; i < original.nodes.size(); ++i)
+    if (original.nodes[i].parent != other.nodes[i].parent || original.nodes[i].name != other.nodes[i].name)
+      throw Error(ErrorCode::invalid_input, b.name + ": nodes[" + std::to_string(i) + "] is not the node of " + a.name +
+                                                "; verify compares a file with what was made from it");
+}
+
+int match(const std::vector<Animation>& original, const std::vector<Animation>& other, std::size_t index) {
+  if (index < other.size() && other[index].name == original[index].name) return static_cast<int>(index);
+  for (std::size_t i = 0; i < other.size(); ++i)
+    if (other[i].name == original[index].name) return static_cast<int>(i);
+  return original.size() == other.size() ? static_cast<int>(index) : -1;
+}
+
+}  // namespace
+
+Verification verify(const gltf::Document& original, const gltf::Document& other) {
+  const gltf::Asset a = gltf::read_asset(original), b = gltf::read_asset(other);
+  check_nodes(original, a, other, b);
+  const motion::Skeleton skeleton = make_skeleton(a);
+  const Points points = gltf::skin_points(original, a, true);
+  const motion::ErrorMeter meter(skeleton, points);
+  const std::vector<Animation> wanted = all_animations(original, a), got = all_animations(other, b);
+  Verification result;
+  result.size = motion::character_size(skeleton, points);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const int found = match(wanted, got, i);
+    if (found < 0)
+      throw Error(ErrorCode::invalid_input,
+                  other.name + ": animation \"" + wanted[i].name + "\" of " + original.name + " is missing");
+    if (wanted[i].curves.empty()) continue;
+    result.clips.push_back({wanted[i].name, meter.report(wanted[i], got[static_cast<std::size_t>(found)])});
+  }
+  return result;
+}
+
+}  // namespace nmc::codec
