@@ -69,10 +69,11 @@ class Corrector {
     return {at, std::sqrt(most)};
   }
 
-  /// Sum over points of what the squared errors are above the aim, at one sample, after adding amount * effect.
+  /// A smooth stand-in for the largest error at one sample after adding amount * effect: the sum of eighth powers, in
+  /// units of the aim.
   double excess(const Rows& effect, Eigen::Index column, Eigen::Index n, float amount) const {
     const Eigen::Index points = map_.point_count();
-    const float aim = static_cast<float>(aim_ * aim_);
+    const float unit = static_cast<float>(1 / (aim_ * aim_));
     float sum = 0;
     for (Eigen::Index q = 0; q < points; ++q) {
       float square = 0;
@@ -80,11 +81,15 @@ class Corrector {
         const float e = error_(3 * q + a, n) + amount * effect(3 * q + a, column);
         square += e * e;
       }
-      if (square > aim) sum += square - aim;
+      square *= unit;
+      square *= square;
+      sum += square * square;
     }
     for (Eigen::Index r = 3 * points; r < error_.rows(); ++r) {
       const float e = error_(r, n) + amount * effect(r, column);
-      if (e * e > aim) sum += e * e - aim;
+      float square = e * e * unit;
+      square *= square;
+      sum += square * square;
     }
     return sum;
   }
@@ -187,7 +192,7 @@ class Corrector {
       for (const Eigen::Index parameter : promising(n, most)) try_parameter(parameter, n, best, effect, from);
       if (best) break;
     }
-    if (!best) return false;
+    if (!best) return rewrite_sample(n);
     const LevelAtom& atom = best->atom;
     const double step = steps_.anchor(atom.parameter);
     for (Eigen::Index m = 0; m < effect.cols(); ++m) {
@@ -201,6 +206,25 @@ class Corrector {
         return true;
       }
     clip_.atoms.push_back(atom);
+    return true;
+  }
+
+  /// Where no single step helps: every parameter of the sample is brought to its true value.
+  bool rewrite_sample(Eigen::Index n) {
+    bool changed = false;
+    const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
+    Rows delta = Rows::Zero(steps_.slot.size(), 1), effect;
+    for (Eigen::Index i = 0; i < steps_.slot.size(); ++i) {
+      if (!layout_.parameters[static_cast<std::size_t>(i)].moves) continue;
+      const auto level = static_cast<std::int32_t>(std::lround((layout_.values(i, n) - now(i, n)) / steps_.anchor(i)));
+      if (level == 0) continue;
+      clip_.atoms.push_back({static_cast<std::uint32_t>(n), static_cast<int>(i), 0, level});
+      delta(i, 0) = static_cast<float>(level * steps_.anchor(i));
+      changed = true;
+    }
+    if (!changed) return false;
+    map_.errors(delta, effect, n);
+    error_.col(n) += effect.col(0);
     return true;
   }
 

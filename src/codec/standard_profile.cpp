@@ -23,20 +23,20 @@ constexpr int anchor_exponent = 10;
 /// The part of the tolerance that is aimed at: the rest covers what lies between samples and points.
 constexpr double aim = 0.985;
 
-struct Setting {
-  int step_exponent = 0;
-  double rate = 0.25;
-  int iterations = 300;
+/// How long the search for one clip may take, by effort.
+struct SearchPlan {
+  int first_iterations = 100;  ///< of the first training of each cut
+  int iterations = 200;        ///< of all later ones
+  int climbs = 4;              ///< trainings that look for the best step
+  int rates = 2;               ///< trainings that look for the best weight of a bit
 };
 
-std::vector<Setting> settings_of(int effort) {
-  if (effort <= 1) return {{-2, 0.3, 100}};
-  if (effort <= 3) return {{-2, 0.3, 200}};
-  if (effort <= 5) return {{-4, 0.2, 300}, {0, 0.4, 300}};
-  std::vector<Setting> grid;
-  for (const int exponent : {-6, -3, 0, 3})
-    for (const double rate : {0.1, 0.25, 0.6}) grid.push_back({exponent, rate, effort >= 9 ? 1000 : 500});
-  return grid;
+SearchPlan plan_of(int effort) {
+  if (effort <= 1) return {80, 80, 1, 0};
+  if (effort <= 3) return {100, 150, 2, 0};
+  if (effort <= 5) return {120, 250, 4, 2};
+  if (effort <= 7) return {250, 500, 6, 4};
+  return {500, 1200, 8, 6};
 }
 
 std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length) {
@@ -81,7 +81,7 @@ struct StandardEncoder::State {
   ParameterSteps steps_for(const ClipLayout& layout) const;
   std::size_t bytes_of(const LevelClip& clip) const;
   LevelClip train(std::size_t clip) const;
-  bool within_bound(std::size_t clip, LevelClip& levels) const;
+  bool within_bound(std::size_t clip, LevelClip& levels, std::size_t most_atoms) const;
   void choose_references(ClipSet& chosen) const;
 };
 
@@ -103,7 +103,6 @@ void StandardEncoder::State::make_set() {
   frame = mean_frame(source.skeleton, clips);
   std::vector<std::vector<double>> square(frame.targets.size(), std::vector<double>(4, 0.0));
   std::vector<std::vector<double>> weight(frame.targets.size(), std::vector<double>(4, 0.0));
-  std::mutex lock;
   std::vector<Eigen::VectorXd> reaches(clips.size());
   std::vector<ClipLayout> layouts(clips.size());
   parallel_for(clips.size(), options.threads, [&](std::size_t c) {
@@ -136,6 +135,7 @@ void StandardEncoder::State::make_set() {
       made.step_exponents.push_back(std::clamp(static_cast<int>(std::lround(2 * std::log2(relative))), -100, 100));
     }
     if (target.path == Path::rotation) {
+      made.step_exponents[3] = made.step_exponents[2];  // the format stores three
       const glm::dvec3 v = motion::rotation_vector(frame.rotation_reference[t]);
       glm::dvec3 quantised(0.0);
       for (int a = 0; a < 3; ++a) {
@@ -169,13 +169,14 @@ std::size_t StandardEncoder::State::bytes_of(const LevelClip& clip) const {
 
 /// Measures what the levels mean between the file's keys and at every vertex; where that is above the bound, corrects
 /// further.
-bool StandardEncoder::State::within_bound(std::size_t index, LevelClip& levels) const {
+bool StandardEncoder::State::within_bound(std::size_t index, LevelClip& levels, std::size_t most_atoms) const {
   const ClipSource& clip = source.clips[index];
   const Prepared& from = prepared[index];
   MotionMap map(source.skeleton, frame, from.layout, source.points);
   double bound = aim * source.tolerance;
   for (int round = 0; round < 6; ++round) {
-    if (!correct(levels, from.layout, from.steps, map, bound, 20 + 4 * clip.clip.times.size())) return false;
+    const bool okk = correct(levels, from.layout, from.steps, map, bound, most_atoms);
+    if (!okk) return false;
     const Eigen::MatrixXd values = values_of_levels(levels, from.steps, from.layout.values.cols());
     Animation decoded = motion::to_animation(clip_of_parameters(clip.clip, frame, from.layout, values));
     decoded.curves.insert(decoded.curves.end(), clip.kept.curves.begin(), clip.kept.curves.end());
@@ -187,44 +188,103 @@ bool StandardEncoder::State::within_bound(std::size_t index, LevelClip& levels) 
   return false;
 }
 
-LevelClip StandardEncoder::State::train(std::size_t index) const {
-  const Prepared& from = prepared[index];
-  std::optional<LevelClip> best;
-  std::size_t best_bytes = std::numeric_limits<std::size_t>::max();
-  const auto offer = [&](LevelClip levels) {
-    levels.times = source.clips[index].clip.times;
-    levels.states = from.layout.states;
-    if (bytes_of(levels) >= best_bytes || !within_bound(index, levels)) return;
-    const std::size_t bytes = bytes_of(levels);
-    if (bytes >= best_bytes) return;
-    best_bytes = bytes;
-    best = std::move(levels);
-  };
-  MotionMap map(source.skeleton, frame, from.layout, source.points);
-  for (SparseSettings cut : cuts_of(source.clips[index].clip.times.size())) {
-    cut.tolerance = source.tolerance;
-    for (const Setting& setting : settings_of(options.effort)) {
-      cut.step_exponent = setting.step_exponent;
-      cut.rate = setting.rate;
-      cut.iterations = setting.iterations;
-      offer(train_sparse(from.layout, from.steps, map, {}, cut));
-    }
-    cut.iterations = 0;
-    cut.step_exponent = 4;
-    if (!best) offer(train_sparse(from.layout, from.steps, map, {}, cut));
-    cut.step_exponent = 12;
-    if (!best) offer(train_sparse(from.layout, from.steps, map, {}, cut));
+/// The search for one clip's best levels: cuts, then steps, then the weight of a bit, each by real bytes at a kept
+/// bound.
+class ClipSearch {
+ public:
+  ClipSearch(const StandardEncoder::State& state, std::size_t index)
+      : state_(state),
+        index_(index),
+        map_(state.source.skeleton, state.frame, state.prepared[index].layout, state.source.points) {}
+
+  LevelClip run() {
+    const std::size_t samples = state_.source.clips[index_].clip.times.size();
+    const SearchPlan plan = plan_of(state_.options.effort);
+    const std::vector<SparseSettings> cuts = cuts_of(samples);
+    const int start = samples > 120 ? -3 : 1;
+    std::vector<std::size_t> bytes;
+    for (const SparseSettings& cut : cuts)
+      bytes.push_back(offer(cut, start, usual_rate, cuts.size() > 1 ? plan.first_iterations : plan.iterations));
+    const SparseSettings& cut =
+        cuts[static_cast<std::size_t>(std::min_element(bytes.begin(), bytes.end()) - bytes.begin())];
+    climb(cut, start, plan);
+    // Where even that is not within the bound, finer and finer steps without training.
+    for (int exponent = 4; !best_ && exponent <= 24; exponent += 4) offer(cut, exponent, 0, 0);
+    if (best_) return *best_;
+    return levels_for(cut, 24, 0, 0);
   }
-  if (best) return *best;
-  SparseSettings cut = cuts_of(source.clips[index].clip.times.size()).front();
-  cut.tolerance = source.tolerance;
-  cut.iterations = 0;
-  cut.step_exponent = 8;
-  LevelClip levels = train_sparse(from.layout, from.steps, map, {}, cut);
-  levels.times = source.clips[index].clip.times;
-  levels.states = from.layout.states;
-  return levels;
-}
+
+ private:
+  static constexpr double usual_rate = 0.2;
+
+  LevelClip levels_for(SparseSettings cut, int exponent, double rate, int iterations) {
+    const Prepared& from = state_.prepared[index_];
+    cut.tolerance = state_.source.tolerance;
+    cut.step_exponent = exponent;
+    cut.rate = rate;
+    cut.iterations = iterations;
+    LevelClip levels = train_sparse(from.layout, from.steps, map_, {}, cut);
+    levels.times = state_.source.clips[index_].clip.times;
+    levels.states = from.layout.states;
+    return levels;
+  }
+
+  /// Trains, corrects, and keeps the result if it is the smallest. Returns its bytes, or more where it is not within
+  /// the bound.
+  std::size_t offer(const SparseSettings& cut, int exponent, double rate, int iterations) {
+    LevelClip levels = levels_for(cut, exponent, rate, iterations);
+    const std::size_t plain = state_.bytes_of(levels);
+    if (plain >= best_bytes_) return plain;
+    const std::size_t room = best_ ? (best_bytes_ - plain) * 8 / 14 : 20 + 4 * levels.times.size();
+    const bool kept = state_.within_bound(index_, levels, room);
+    const std::size_t bytes = state_.bytes_of(levels);
+    if (!kept)
+      return std::max(bytes, best_bytes_ == std::numeric_limits<std::size_t>::max() ? 2 * bytes : best_bytes_ + 1);
+    if (bytes < best_bytes_) {
+      best_bytes_ = bytes;
+      best_ = std::move(levels);
+    }
+    return bytes;
+  }
+
+  void climb(const SparseSettings& cut, int start, const SearchPlan& plan) {
+    int left = plan.climbs;
+    int exponent = start;
+    std::size_t least = offer(cut, start, usual_rate, plan.iterations);
+    for (const int direction : {-3, 3}) {
+      bool moved = false;
+      while (left-- > 0) {
+        const std::size_t bytes = offer(cut, exponent + direction, usual_rate, plan.iterations);
+        if (bytes >= least) break;
+        least = bytes;
+        exponent += direction;
+        moved = true;
+      }
+      if (moved) break;
+    }
+    left = plan.rates;
+    double rate = usual_rate;
+    for (const double factor : {2.0, 0.5}) {
+      bool moved = false;
+      while (left-- > 0) {
+        const std::size_t bytes = offer(cut, exponent, rate * factor, plan.iterations);
+        if (bytes >= least) break;
+        least = bytes;
+        rate *= factor;
+        moved = true;
+      }
+      if (moved) break;
+    }
+  }
+
+  const StandardEncoder::State& state_;
+  std::size_t index_;
+  MotionMap map_;
+  std::optional<LevelClip> best_;
+  std::size_t best_bytes_ = std::numeric_limits<std::size_t>::max();
+};
+
+LevelClip StandardEncoder::State::train(std::size_t index) const { return ClipSearch(*this, index).run(); }
 
 StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& options)
     : state_(std::make_unique<State>(source, options)) {

@@ -20,8 +20,9 @@ class StandardEncoder {
   /// own measurement unless it cannot be brought there.
   EncodedSet encode(const std::vector<std::size_t>& clips);
 
- private:
   struct State;
+
+ private:
   std::unique_ptr<State> state_;
 };
 
