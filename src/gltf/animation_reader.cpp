@@ -40,7 +40,7 @@ std::string reason_to_leave(const Json& animation, const Json& channel) {
   if (path != "translation" && path != "rotation" && path != "scale" && path != "weights") {
     return fmt::format("its path \"{}\" is not known", path);
   }
-  const std::string interpolation = find_string(sampler, "interpolation", {path, ""}).value_or("LINEAR");
+  const std::string interpolation = sampler.value("interpolation", std::string("LINEAR"));
   if (interpolation != "LINEAR" && interpolation != "STEP" && interpolation != "CUBICSPLINE") {
     return fmt::format("its interpolation \"{}\" is not known", interpolation);
   }

@@ -56,16 +56,16 @@ struct Asset {
   std::vector<AnimationSource> animations;  ///< one per animation of the file, in its order
 };
 
-/// Reads and checks everything that animation needs. tinygltf gives the typed model; where the document holds what tinygltf cannot
-/// express (extension channels, unknown values) the document wins and that part stays untouched.
-/// Throws Error (invalid_input) naming the object: a range outside its buffer, a cycle of nodes, times that do not increase, a number that
-/// is not finite, a count that does not fit.
+/// Reads and checks everything that animation needs. tinygltf gives the typed model; where the document holds what
+/// tinygltf cannot express (extension channels, unknown values) the document wins and that part stays untouched. Throws
+/// Error (invalid_input) naming the object: a range outside its buffer, a cycle of nodes, times that do not increase, a
+/// number that is not finite, a count that does not fit.
 Asset read_asset(const Document& document);
 
-/// The points at which the character's error is seen (DESIGN: error): the origins of all skin joints, and for each joint the extreme
-/// vertices that it moves; without a skin, the animated nodes, those below them, and the vertices of their meshes.
-/// `all_vertices`: every vertex instead of the extreme ones (for a final check).
-/// Draco- and meshopt-compressed and quantised meshes are read.
+/// The points at which the character's error is seen (DESIGN: error): the origins of all skin joints, and for each
+/// joint the extreme vertices that it moves; without a skin, the animated nodes, those below them, and the vertices of
+/// their meshes. `all_vertices`: every vertex instead of the extreme ones (for a final check). Draco- and
+/// meshopt-compressed and quantised meshes are read.
 Points skin_points(const Document& document, const Asset& asset, bool all_vertices = false);
 
 }  // namespace nmc::gltf

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "gltf/asset.h"
+#include "gltf/json_text.h"
 #include "gltf/typed_model.h"
 #include "gltf/vertices.h"
 
@@ -79,12 +80,15 @@ void add_skin_vertices(Search& search, std::size_t skin_index) {
   }
 }
 
-/// Nodes that a channel moves, and all below them.
-std::vector<bool> find_moving(const Asset& asset) {
+/// Nodes that a channel moves, taken by the asset or left untouched, and all below them.
+std::vector<bool> find_moving(const Document& document, const Asset& asset) {
   std::vector<bool> moving(asset.nodes.size(), false);
-  for (const AnimationSource& animation : asset.animations) {
-    for (const Channel& channel : animation.channels) {
-      if (channel.curve.path != Path::weights) moving[static_cast<std::size_t>(channel.curve.node)] = true;
+  const Json* animations = find(document.json, "animations");
+  for (std::size_t a = 0; a < asset.animations.size(); ++a) {
+    for (const Json& channel : (*animations)[a]["channels"]) {
+      const Json& target = channel["target"];
+      const Json* node = find(target, "node");
+      if (node != nullptr && target["path"] != "weights") moving[static_cast<std::size_t>(node->get<double>())] = true;
     }
   }
   for (const int node : asset.order) {
@@ -95,7 +99,7 @@ std::vector<bool> find_moving(const Asset& asset) {
 }
 
 void add_rigid_points(Search& search) {
-  const std::vector<bool> moving = find_moving(search.asset);
+  const std::vector<bool> moving = find_moving(search.document, search.asset);
   std::map<int, std::vector<std::array<double, 3>>> offsets_of_mesh;
   for (std::size_t i = 0; i < moving.size(); ++i) {
     if (!moving[i]) continue;

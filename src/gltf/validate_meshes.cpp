@@ -27,7 +27,7 @@ bool uses_extension(const Document& document, std::string_view name) {
 /// POSITION).
 void check_format(const Document& document, const std::string& semantic, const Json& accessor, const Where& where) {
   const auto& type = accessor["type"].get_ref<const std::string&>();
-  const auto component = static_cast<int>(number(accessor, "componentType"));
+  const auto component = static_cast<std::uint64_t>(number(accessor, "componentType"));
   const bool normalized = accessor.value("normalized", false);
   bool good = true;
   if (semantic == "POSITION") {

@@ -17,7 +17,11 @@ TEST(ParallelFor, VisitsEveryItemOnce) {
 }
 
 TEST(ParallelFor, RethrowsTheFailure) {
-  EXPECT_THROW(nmc::parallel_for(100, 4, [](std::size_t i) { if (i == 37) throw std::runtime_error("37"); }), std::runtime_error);
+  EXPECT_THROW(nmc::parallel_for(100, 4,
+                                 [](std::size_t i) {
+                                   if (i == 37) throw std::runtime_error("37");
+                                 }),
+               std::runtime_error);
 }
 
 TEST(ParallelFor, NoItemsIsNoWork) {

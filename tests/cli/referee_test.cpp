@@ -11,8 +11,8 @@ namespace {
 
 struct RefereeCase {
   const char* file;
-  const char* max_frequencies;  ///< small where training is slow: agreement, not compression, is tested here
-  bool in_sanitized_builds;
+  const char* tolerance;  ///< larger where 2% takes minutes of training: what is tested is agreement
+  bool in_sanitized_builds = false;
 };
 
 std::string shared() { return NMC_SHARED_DIR; }
@@ -27,10 +27,9 @@ TEST_P(Referee, AgreesWithTheReport) {
   if (sanitized && !c.in_sanitized_builds) GTEST_SKIP() << "too slow with sanitizers";
   const std::string in = shared() + "/data/" + c.file;
   const std::chrono::seconds timeout(500);
-  const Json ours = Json::parse(run_well({in, file("packed.glb"), "--profile", "paper", "--tolerance", "2%",
-                                          "--max-frequencies", c.max_frequencies, "--time-limit", "60", "--json"},
-                                         timeout)
-                                    .out);
+  const Json ours = Json::parse(
+      run_well({in, file("packed.glb"), "--profile", "paper", "--tolerance", c.tolerance, "--json"}, timeout).out);
+  ASSERT_GT(ours["totals"]["compressed"], 0);
   run_well({"decode", file("packed.glb"), file("plain.glb"), "--quiet"}, timeout);
   const ProcessResult measured =
       run_process({"/usr/bin/python3", shared() + "/tools/measure.py", in, file("plain.glb"), "--json"}, timeout);
@@ -45,24 +44,19 @@ TEST_P(Referee, AgreesWithTheReport) {
     SCOPED_TRACE(mine["name"]);
     const double max_joint = theirs["animations"][i]["errors"]["joint"]["max"].get<double>();
     EXPECT_NEAR(mine["error"]["max_joint_fraction_of_size"].get<double>(), max_joint / size, 1e-4);
-    EXPECT_LE(max_joint, 0.0201 * size);
+    EXPECT_LE(max_joint, (ours["tolerance_fraction_of_size"].get<double>() + 1e-4) * size);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(
     RealFiles, Referee,
-    testing::Values(RefereeCase{"game/fox.glb", "8", true}, RefereeCase{"game/cesium_man.glb", "8", true},
-                    RefereeCase{"game/brain_stem.glb", "2", false}, RefereeCase{"game/knight_76clips.glb", "2", false},
-                    RefereeCase{"game/stag.glb", "4", false}, RefereeCase{"mocap/cmuamc_02_01.glb", "6", false},
-                    RefereeCase{"mocap/cmuamc_02_03.glb", "6", false},
-                    RefereeCase{"mocap/cmuamc_35_01.glb", "6", false},
-                    RefereeCase{"mocap/cmuamc_49_18_30hz.glb", "4", false},
-                    RefereeCase{"mocap/keijiro30_85_12.glb", "4", false},
-                    RefereeCase{"mocap/cmufbx_49_08.glb", "4", false}),
-    [](const auto& info) {
-      std::string name = std::filesystem::path(info.param.file).stem().string();
-      return name;
-    });
+    testing::Values(RefereeCase{"game/fox.glb", "2%", true}, RefereeCase{"game/cesium_man.glb", "2%", true},
+                    RefereeCase{"game/brain_stem.glb", "15%"}, RefereeCase{"game/knight_76clips.glb", "2%"},
+                    RefereeCase{"game/stag.glb", "2%"}, RefereeCase{"mocap/cmuamc_02_01.glb", "2%"},
+                    RefereeCase{"mocap/cmuamc_02_03.glb", "2%"}, RefereeCase{"mocap/cmuamc_35_01.glb", "2%"},
+                    RefereeCase{"mocap/cmuamc_49_18_30hz.glb", "2%"}, RefereeCase{"mocap/keijiro30_85_12.glb", "10%"},
+                    RefereeCase{"mocap/cmufbx_49_08.glb", "2%"}),
+    [](const auto& info) { return std::filesystem::path(info.param.file).stem().string(); });
 
 }  // namespace
 }  // namespace nmc::test
