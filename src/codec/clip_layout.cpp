@@ -62,7 +62,7 @@ ClipLayout layout_clip(const motion::Clip& clip, const SetFrame& frame) {
       layout.states.push_back(State::absent);
       continue;
     }
-    LayoutBlock made{t, state_of(*track, frame.rotation_reference[t]), {}};
+    LayoutBlock made{t, state_of(*track, frame.rotation_reference[t]), {}, -1};
     made.block.first = static_cast<int>(layout.parameters.size());
     made.block.reference = frame.rotation_reference[t];
     made.block.width = frame.targets[t].width;
@@ -70,7 +70,11 @@ ClipLayout layout_clip(const motion::Clip& clip, const SetFrame& frame) {
       made.block.form = made.state == State::quaternion ? motion::Form::quaternion : motion::Form::axis_angle;
       made.block.width = made.state == State::quaternion ? 4 : 3;
     }
-    for (int a = 0; a < made.block.width; ++a) layout.parameters.push_back({t, a, made.state != State::fixed});
+    if (made.state != State::fixed) made.first_moving = static_cast<int>(layout.moving.size());
+    for (int a = 0; a < made.block.width; ++a) {
+      if (made.state != State::fixed) layout.moving.push_back(static_cast<Eigen::Index>(layout.parameters.size()));
+      layout.parameters.push_back({t, a, made.state != State::fixed});
+    }
     layout.states.push_back(made.state);
     rows.push_back(motion::to_parameters(*track, made.block));
     layout.blocks.push_back(made);

@@ -29,12 +29,14 @@ struct LayoutBlock {
   std::size_t target = 0;
   State state = State::fixed;
   motion::Block block;
+  int first_moving = -1;  ///< of its first parameter among the moving ones; -1 for a fixed target
 };
 
 struct ClipLayout {
   std::vector<State> states;        ///< per target of the set
   std::vector<LayoutBlock> blocks;  ///< present targets, in order
   std::vector<Parameter> parameters;
+  std::vector<Eigen::Index> moving;  ///< the parameters of moving targets
   Eigen::MatrixXd values;  ///< parameters x samples, relative to the set's reference; constant rows for fixed targets
 };
 

@@ -17,14 +17,21 @@ struct Candidate {
 
 class Corrector {
  public:
-  Corrector(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, double bound)
-      : clip_(clip), layout_(layout), steps_(steps), map_(map), bound_(bound), samples_(layout.values.cols()) {}
+  Corrector(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
+            double bound)
+      : clip_(clip),
+        layout_(layout),
+        steps_(steps),
+        map_(map),
+        wanted_(wanted),
+        bound_(bound),
+        samples_(layout.values.cols()),
+        moving_(static_cast<Eigen::Index>(layout.moving.size())) {}
 
   bool run(std::size_t most_atoms) {
-    const Rows wanted = map_.positions(layout_.values);
     for (int round = 0; round < 8; ++round) {
       const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
-      error_ = map_.positions(now) - wanted;
+      error_ = map_.positions(now) - wanted_;
       if (largest().second <= bound_) return true;
       map_.linearise(0.5 * (now + layout_.values));
       // Linear predictions are off by a little: aim lower each time.
@@ -70,28 +77,35 @@ class Corrector {
   }
 
   /// A smooth stand-in for the largest error at one sample after adding amount * effect: the sum of eighth powers, in
-  /// units of the aim.
-  double excess(const Rows& effect, Eigen::Index column, Eigen::Index n, float amount) const {
+  /// units of the aim, over `rows` (points, then morph targets) alone.
+  double excess(const std::vector<Eigen::Index>& rows, const Rows& effect, Eigen::Index column, Eigen::Index n,
+                float amount) const {
     const Eigen::Index points = map_.point_count();
     const float unit = static_cast<float>(1 / (aim_ * aim_));
     float sum = 0;
-    for (Eigen::Index q = 0; q < points; ++q) {
+    for (const Eigen::Index q : rows) {
       float square = 0;
-      for (Eigen::Index a = 0; a < 3; ++a) {
-        const float e = error_(3 * q + a, n) + amount * effect(3 * q + a, column);
+      const Eigen::Index first = q < points ? 3 * q : 2 * points + q, count = q < points ? 3 : 1;
+      for (Eigen::Index a = first; a < first + count; ++a) {
+        const float e = error_(a, n) + amount * effect(a, column);
         square += e * e;
       }
       square *= unit;
       square *= square;
       sum += square * square;
     }
-    for (Eigen::Index r = 3 * points; r < error_.rows(); ++r) {
-      const float e = error_(r, n) + amount * effect(r, column);
-      float square = e * e * unit;
-      square *= square;
-      sum += square * square;
-    }
     return sum;
+  }
+
+  /// The points that an effect moves at all, at one sample.
+  std::vector<Eigen::Index> moved(const Rows& effect, Eigen::Index column) const {
+    const Eigen::Index points = map_.point_count();
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index q = 0; q < point_rows(); ++q) {
+      const Eigen::Index first = q < points ? 3 * q : 2 * points + q, count = q < points ? 3 : 1;
+      if (effect.col(column).segment(first, count).abs().maxCoeff() > 0) rows.push_back(q);
+    }
+    return rows;
   }
 
   static double window(Eigen::Index away, int width) {
@@ -99,30 +113,26 @@ class Corrector {
     return away >= half ? 0.0 : 0.5 * (1 + std::cos(pi * static_cast<double>(away) / static_cast<double>(half)));
   }
 
+  /// The moving parameters that could take most of the worst point's error away: by |J^T e| a step.
   std::vector<Eigen::Index> promising(Eigen::Index n, std::size_t most) {
-    // How much of the worst point's error each parameter could take away: |J e| / |J|.
-    const Eigen::Index count = steps_.slot.size(), points = map_.point_count();
+    const Eigen::Index points = map_.point_count();
+    Rows weight = Rows::Zero(error_.rows(), 1), gradient;
+    const Eigen::Index first = worst_point_ < points ? 3 * worst_point_ : 2 * points + worst_point_,
+                       count = worst_point_ < points ? 3 : 1;
+    weight.col(0).segment(first, count) = error_.col(n).segment(first, count);
+    map_.gradient(weight, gradient, n);
     std::vector<std::pair<double, Eigen::Index>> ranked;
-    Rows delta = Rows::Zero(count, 1), effect;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      if (!layout_.parameters[static_cast<std::size_t>(i)].moves) continue;
-      delta(i, 0) = 1;
-      map_.errors(delta, effect, n);
-      delta(i, 0) = 0;
-      double dot = 0, square = 0;
-      for (Eigen::Index a = 0; a < (worst_point_ < points ? 3 : 1); ++a) {
-        const Eigen::Index r = worst_point_ < points ? 3 * worst_point_ + a : 2 * points + worst_point_;
-        dot += static_cast<double>(effect(r, 0)) * error_(r, n);
-        square += static_cast<double>(effect(r, 0)) * effect(r, 0);
-      }
-      if (square * steps_.anchor(i) * steps_.anchor(i) > 1e-6 * aim_ * aim_)
-        ranked.push_back({-std::abs(dot) / std::sqrt(square), i});
-    }
+    for (Eigen::Index i = 0; i < moving_; ++i)
+      if (const double pull = std::abs(static_cast<double>(gradient(i, 0))) * step_of(i); pull > 0)
+        ranked.push_back({-pull, i});
     std::sort(ranked.begin(), ranked.end());
     std::vector<Eigen::Index> best;
     for (std::size_t k = 0; k < std::min(most, ranked.size()); ++k) best.push_back(ranked[k].second);
     return best;
   }
+
+  Eigen::Index parameter(Eigen::Index moving) const { return layout_.moving[static_cast<std::size_t>(moving)]; }
+  double step_of(Eigen::Index moving) const { return steps_.anchor(parameter(moving)); }
 
   /// The level that takes most of the worst point's error away at sample n, and the smaller one that brings it to the
   /// aim.
@@ -152,17 +162,18 @@ class Corrector {
     return levels;
   }
 
-  bool try_parameter(Eigen::Index parameter, Eigen::Index n, std::optional<Candidate>& best, Rows& best_effect,
+  bool try_parameter(Eigen::Index moving, Eigen::Index n, std::optional<Candidate>& best, Rows& best_effect,
                      Eigen::Index& best_from) {
     const Eigen::Index reach = (Eigen::Index{1} << widest) - 1;
     const Eigen::Index from = std::max<Eigen::Index>(0, n - reach), end = std::min(samples_, n + reach + 1);
-    Rows delta = Rows::Zero(steps_.slot.size(), end - from), effect;
-    delta.row(parameter).setOnes();
+    Rows delta = Rows::Zero(moving_, end - from), effect;
+    delta.row(moving).setOnes();
     map_.errors(delta, effect, from);
-    const double step = steps_.anchor(parameter);
+    const double step = step_of(moving);
+    const std::vector<Eigen::Index> rows = moved(effect, n - from);
     std::vector<double> before(static_cast<std::size_t>(end - from));
     for (Eigen::Index m = from; m < end; ++m)
-      before[static_cast<std::size_t>(m - from)] = excess(effect, m - from, m, 0);
+      before[static_cast<std::size_t>(m - from)] = excess(rows, effect, m - from, m, 0);
     bool found = false;
     for (const std::int32_t level : levels_for(effect, n - from, n, step)) {
       for (int width = 0; width <= widest; ++width) {
@@ -170,10 +181,10 @@ class Corrector {
         const Eigen::Index half = (Eigen::Index{1} << width) - 1;
         for (Eigen::Index m = std::max(from, n - half); m < std::min(end, n + half + 1); ++m)
           fall += before[static_cast<std::size_t>(m - from)] -
-                  excess(effect, m - from, m, static_cast<float>(level * step * window(std::abs(m - n), width)));
+                  excess(rows, effect, m - from, m, static_cast<float>(level * step * window(std::abs(m - n), width)));
         const double gain = fall / (18 + 2 * std::log2(std::abs(level) + 1));
         if (gain > 0 && (!best || gain > best->gain)) {
-          best = Candidate{{static_cast<std::uint32_t>(n), static_cast<int>(parameter), width, level}, gain};
+          best = Candidate{{static_cast<std::uint32_t>(n), static_cast<int>(parameter(moving)), width, level}, gain};
           best_effect = effect;
           best_from = from;
           found = true;
@@ -188,8 +199,8 @@ class Corrector {
     std::optional<Candidate> best;
     Rows effect;
     Eigen::Index from = 0;
-    for (const std::size_t most : {std::size_t{5}, std::size_t{1000}}) {
-      for (const Eigen::Index parameter : promising(n, most)) try_parameter(parameter, n, best, effect, from);
+    for (const std::size_t most : {std::size_t{4}, std::size_t{24}}) {
+      for (const Eigen::Index moving : promising(n, most)) try_parameter(moving, n, best, effect, from);
       if (best) break;
     }
     if (!best) return rewrite_sample(n);
@@ -213,13 +224,13 @@ class Corrector {
   bool rewrite_sample(Eigen::Index n) {
     bool changed = false;
     const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
-    Rows delta = Rows::Zero(steps_.slot.size(), 1), effect;
-    for (Eigen::Index i = 0; i < steps_.slot.size(); ++i) {
-      if (!layout_.parameters[static_cast<std::size_t>(i)].moves) continue;
-      const auto level = static_cast<std::int32_t>(std::lround((layout_.values(i, n) - now(i, n)) / steps_.anchor(i)));
+    Rows delta = Rows::Zero(moving_, 1), effect;
+    for (Eigen::Index i = 0; i < moving_; ++i) {
+      const auto level =
+          static_cast<std::int32_t>(std::lround((layout_.values(parameter(i), n) - now(parameter(i), n)) / step_of(i)));
       if (level == 0) continue;
-      clip_.atoms.push_back({static_cast<std::uint32_t>(n), static_cast<int>(i), 0, level});
-      delta(i, 0) = static_cast<float>(level * steps_.anchor(i));
+      clip_.atoms.push_back({static_cast<std::uint32_t>(n), static_cast<int>(parameter(i)), 0, level});
+      delta(i, 0) = static_cast<float>(level * step_of(i));
       changed = true;
     }
     if (!changed) return false;
@@ -238,17 +249,18 @@ class Corrector {
   const ClipLayout& layout_;
   const ParameterSteps& steps_;
   MotionMap& map_;
+  const Rows& wanted_;
   double bound_, aim_ = 0;
-  Eigen::Index samples_;
+  Eigen::Index samples_, moving_;
   Eigen::Index worst_point_ = 0;
   Rows error_;
 };
 
 }  // namespace
 
-bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, double bound,
-             std::size_t most_atoms) {
-  const bool reached = Corrector(clip, layout, steps, map, bound).run(most_atoms);
+bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
+             double bound, std::size_t most_atoms) {
+  const bool reached = Corrector(clip, layout, steps, map, wanted, bound).run(most_atoms);
   std::stable_sort(clip.atoms.begin(), clip.atoms.end(),
                    [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
   return reached;

@@ -8,9 +8,9 @@
 
 namespace nmc::codec {
 
-/// Adds atoms to `clip` until every point is within `bound` (world units) at every sample. False where that is not
-/// reached within `most_atoms`; the clip then has the atoms found so far.
-bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, double bound,
-             std::size_t most_atoms);
+/// Adds atoms to `clip` until every point is within `bound` (world units) of `wanted` (positions of the map's points)
+/// at every sample. False where that is not reached within `most_atoms`; the clip then has the atoms found so far.
+bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
+             double bound, std::size_t most_atoms);
 
 }  // namespace nmc::codec

@@ -21,24 +21,50 @@ double row_value(const Eigen::MatrixXd& values, int first, int a, Eigen::Index n
 
 }  // namespace
 
+MotionMap::Property MotionMap::add_property(const LayoutBlock* block, bool all, Eigen::Index rows) {
+  Property property;
+  if (!block) return property;
+  property.free = all ? block->block.first : block->first_moving;
+  property.value = block->block.first;
+  property.width = block->block.width;
+  property.target = block->target;
+  property.row = row_count_;
+  row_count_ += rows;
+  return property;
+}
+
 MotionMap::MotionMap(const motion::Skeleton& skeleton, const SetFrame& frame, const ClipLayout& layout,
-                     const Points& points)
-    : skeleton_(&skeleton), frame_(&frame), layout_(&layout) {
-  std::vector<int> mover_of(skeleton.size(), -1);
-  std::vector<const LayoutBlock*> rotations(skeleton.size()), translations(skeleton.size()), scales(skeleton.size());
-  std::vector<const LayoutBlock*> weights(skeleton.size());
+                     const Points& points, const Eigen::MatrixXd& fixed, FreeParameters free)
+    : rest_(skeleton.rest), frame_(&frame) {
+  const bool all = free == FreeParameters::all;
+  free_count_ = static_cast<Eigen::Index>(all ? layout.parameters.size() : layout.moving.size());
+  const std::size_t nodes = skeleton.size();
+  std::vector<const LayoutBlock*> rotations(nodes), translations(nodes), scales(nodes), weights(nodes);
+  std::vector<bool> held(nodes);
   for (const LayoutBlock& block : layout.blocks) {
     const NodeTarget& target = frame.targets[block.target];
     const auto node = static_cast<std::size_t>(target.node);
-    (target.path == Path::rotation      ? rotations
-     : target.path == Path::translation ? translations
-     : target.path == Path::scale       ? scales
-                                        : weights)[node] = &block;
+    if (all || block.state != State::fixed) {
+      (target.path == Path::rotation      ? rotations
+       : target.path == Path::translation ? translations
+       : target.path == Path::scale       ? scales
+                                          : weights)[node] = &block;
+      continue;
+    }
+    if (target.path == Path::weights) continue;
+    held[node] = true;
+    const auto at = [&](int a) { return fixed(block.block.first + a, 0); };
+    if (target.path == Path::rotation) {
+      rest_[node].rotation = frame.rotation_reference[block.target] * motion::rotation_of_vector({at(0), at(1), at(2)});
+      continue;
+    }
+    glm::dvec3& value = target.path == Path::translation ? rest_[node].translation : rest_[node].scale;
+    for (int a = 0; a < 3; ++a) value[a] = frame.value_reference[block.target][static_cast<std::size_t>(a)] + at(a);
   }
-  // A node without parameters moves with the nearest mover above: above[node] is that mover, chain[node] leads from it
-  // to the node.
-  std::vector<int> above(skeleton.size(), -1);
-  std::vector<glm::dmat4> chain(skeleton.size(), glm::dmat4(1.0));
+  // A node without free parameters moves with the nearest mover above: above[node] is that mover, chain[node] leads
+  // from it to the node.
+  std::vector<int> above(nodes, -1);
+  std::vector<glm::dmat4> chain(nodes, glm::dmat4(1.0));
   for (const int index : skeleton.order) {
     const auto node = static_cast<std::size_t>(index);
     const int parent = skeleton.parent[node];
@@ -46,7 +72,7 @@ MotionMap::MotionMap(const motion::Skeleton& skeleton, const SetFrame& frame, co
     const glm::dmat4 before = parent < 0 ? glm::dmat4(1.0) : chain[static_cast<std::size_t>(parent)];
     if (!rotations[node] && !translations[node] && !scales[node]) {
       above[node] = over;
-      chain[node] = before * skeleton.rest_matrix[node];
+      chain[node] = before * (held[node] ? motion::to_matrix(rest_[node]) : skeleton.rest_matrix[node]);
       continue;
     }
     Mover mover;
@@ -55,28 +81,11 @@ MotionMap::MotionMap(const motion::Skeleton& skeleton, const SetFrame& frame, co
     mover.chain = before;
     mover.offset_row = row_count_;
     row_count_ += 3;
-    if (const LayoutBlock* block = rotations[node]) {
-      mover.rotation = block->block.first;
-      mover.rotation_width = block->block.width;
-      mover.rotation_target = block->target;
-      mover.rotation_row = row_count_;
-      row_count_ += 3 * block->block.width;
-    }
-    if (const LayoutBlock* block = translations[node]) {
-      mover.translation = block->block.first;
-      mover.translation_target = block->target;
-      mover.translation_row = row_count_;
-      row_count_ += 9;
-    }
-    if (const LayoutBlock* block = scales[node]) {
-      mover.scale = block->block.first;
-      mover.scale_target = block->target;
-      mover.scale_row = row_count_;
-      row_count_ += 12;
-      stretches_ = true;
-    }
+    mover.rotation = add_property(rotations[node], all, rotations[node] ? 3 * rotations[node]->block.width : 0);
+    mover.translation = add_property(translations[node], all, 9);
+    mover.scale = add_property(scales[node], all, 12);
+    stretches_ = stretches_ || scales[node];
     above[node] = static_cast<int>(movers_.size());
-    mover_of[node] = above[node];
     chain[node] = glm::dmat4(1.0);
     movers_.push_back(mover);
   }
@@ -85,41 +94,41 @@ MotionMap::MotionMap(const motion::Skeleton& skeleton, const SetFrame& frame, co
     for (std::uint32_t k = points.first[i]; k < points.first[i + 1]; ++k) {
       const Influence& influence = points.influences[k];
       const auto node = static_cast<std::size_t>(influence.node);
-      if (above[node] < 0) continue;
       const glm::dvec4 offset =
           chain[node] * glm::dvec4(influence.offset[0], influence.offset[1], influence.offset[2], 1.0);
       shares_.push_back({above[node], influence.weight * offset, row_count_});
-      row_count_ += 3;
+      if (above[node] >= 0) row_count_ += 3;
     }
-    if (shares_.size() > first_.back()) first_.push_back(shares_.size());
+    first_.push_back(shares_.size());
   }
   for (const MorphReach& morph : points.morphs)
     if (const LayoutBlock* block = weights[static_cast<std::size_t>(morph.node)];
         block && morph.target < block->block.width)
-      morphs_.push_back({block->block.first + morph.target, morph.reach});
+      morphs_.push_back({(all ? block->block.first : block->first_moving) + morph.target,
+                         block->block.first + morph.target, morph.reach});
 }
 
 glm::dquat MotionMap::rotation(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index n) const {
-  const auto at = [&](int a) { return row_value(values, mover.rotation, a, n); };
-  if (mover.rotation_width == 4) {
+  const auto at = [&](int a) { return row_value(values, mover.rotation.value, a, n); };
+  if (mover.rotation.width == 4) {
     const glm::dquat q(at(3), at(0), at(1), at(2));
     return glm::length(q) > 1e-12 ? glm::normalize(q) : glm::dquat(1, 0, 0, 0);
   }
-  return frame_->rotation_reference[mover.rotation_target] * motion::rotation_of_vector({at(0), at(1), at(2)});
+  return frame_->rotation_reference[mover.rotation.target] * motion::rotation_of_vector({at(0), at(1), at(2)});
 }
 
 void MotionMap::world(const Eigen::MatrixXd& values, Eigen::Index n, std::vector<glm::dmat4>& world) const {
   for (std::size_t i = 0; i < movers_.size(); ++i) {
     const Mover& mover = movers_[i];
-    motion::Transform local = skeleton_->rest[static_cast<std::size_t>(mover.node)];
-    if (mover.rotation >= 0) local.rotation = rotation(mover, values, n);
+    motion::Transform local = rest_[static_cast<std::size_t>(mover.node)];
+    if (mover.rotation.free >= 0) local.rotation = rotation(mover, values, n);
     for (int a = 0; a < 3; ++a) {
       const auto k = static_cast<std::size_t>(a);
-      if (mover.translation >= 0)
+      if (mover.translation.free >= 0)
         local.translation[a] =
-            frame_->value_reference[mover.translation_target][k] + row_value(values, mover.translation, a, n);
-      if (mover.scale >= 0)
-        local.scale[a] = frame_->value_reference[mover.scale_target][k] + row_value(values, mover.scale, a, n);
+            frame_->value_reference[mover.translation.target][k] + row_value(values, mover.translation.value, a, n);
+      if (mover.scale.free >= 0)
+        local.scale[a] = frame_->value_reference[mover.scale.target][k] + row_value(values, mover.scale.value, a, n);
     }
     const glm::dmat4 above =
         mover.parent < 0 ? mover.chain : world[static_cast<std::size_t>(mover.parent)] * mover.chain;
@@ -135,12 +144,14 @@ Rows MotionMap::positions(const Eigen::MatrixXd& values) const {
     for (Eigen::Index i = 0; i < point_count(); ++i) {
       glm::dvec3 p(0.0);
       for (std::size_t k = first_[static_cast<std::size_t>(i)]; k < first_[static_cast<std::size_t>(i) + 1]; ++k)
-        p += glm::dvec3(world_of[static_cast<std::size_t>(shares_[k].mover)] * shares_[k].offset);
+        p +=
+            glm::dvec3(shares_[k].mover < 0 ? shares_[k].offset
+                                            : world_of[static_cast<std::size_t>(shares_[k].mover)] * shares_[k].offset);
       for (int a = 0; a < 3; ++a) out(3 * i + a, n) = static_cast<float>(p[a]);
     }
     for (std::size_t m = 0; m < morphs_.size(); ++m)
       out(3 * point_count() + static_cast<Eigen::Index>(m), n) =
-          static_cast<float>(morphs_[m].reach * values(morphs_[m].parameter, n));
+          static_cast<float>(morphs_[m].reach * values(morphs_[m].value, n));
   }
   return out;
 }
@@ -148,11 +159,11 @@ Rows MotionMap::positions(const Eigen::MatrixXd& values) const {
 void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, const Eigen::MatrixXd& values,
                                    Eigen::Index n) {
   const glm::dmat3 turn = above * glm::mat3_cast(rotation(mover, values, n));
-  const auto at = [&](int a) { return row_value(values, mover.rotation, a, n); };
-  if (mover.rotation_width == 3) {
+  const auto at = [&](int a) { return row_value(values, mover.rotation.value, a, n); };
+  if (mover.rotation.width == 3) {
     const glm::dmat3 map = turn * right_jacobian({at(0), at(1), at(2)});
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) rows_(mover.rotation_row + 3 * b + a, n) = static_cast<float>(map[b][a]);
+      for (int b = 0; b < 3; ++b) rows_(mover.rotation.row + 3 * b + a, n) = static_cast<float>(map[b][a]);
     return;
   }
   const double x = at(0), y = at(1), z = at(2), w = at(3);
@@ -161,7 +172,7 @@ void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, 
       {f * w, f * -z, f * y}, {f * z, f * w, f * -x}, {f * -y, f * x, f * w}, {f * -x, f * -y, f * -z}};
   for (int b = 0; b < 4; ++b) {
     const glm::dvec3 column = turn * body[b];
-    for (int a = 0; a < 3; ++a) rows_(mover.rotation_row + 3 * b + a, n) = static_cast<float>(column[a]);
+    for (int a = 0; a < 3; ++a) rows_(mover.rotation.row + 3 * b + a, n) = static_cast<float>(column[a]);
   }
 }
 
@@ -183,24 +194,25 @@ void MotionMap::linearise(const Eigen::MatrixXd& values) {
       const double size = std::cbrt(glm::determinant(linear));
       // A mirroring parent turns the other way round: the signed cube root of the determinant takes care of it.
       const glm::dmat3 turn = std::abs(size) > 1e-12 ? linear / size : glm::dmat3(1.0);
-      if (mover.rotation >= 0) linearise_rotation(mover, turn, values, n);
-      if (mover.translation >= 0)
+      if (mover.rotation.free >= 0) linearise_rotation(mover, turn, values, n);
+      if (mover.translation.free >= 0)
         for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) rows_(mover.translation_row + 3 * b + a, n) = static_cast<float>(linear[b][a]);
-      if (mover.scale >= 0) {
+          for (int b = 0; b < 3; ++b) rows_(mover.translation.row + 3 * b + a, n) = static_cast<float>(linear[b][a]);
+      if (mover.scale.free >= 0) {
         const glm::dmat3 axes =
-            turn * glm::mat3_cast(mover.rotation >= 0 ? rotation(mover, values, n)
-                                                      : skeleton_->rest[static_cast<std::size_t>(mover.node)].rotation);
+            turn * glm::mat3_cast(mover.rotation.free >= 0 ? rotation(mover, values, n)
+                                                           : rest_[static_cast<std::size_t>(mover.node)].rotation);
         for (int b = 0; b < 3; ++b) {
-          for (int a = 0; a < 3; ++a) rows_(mover.scale_row + 3 * b + a, n) = static_cast<float>(axes[b][a]);
-          const double s = frame_->value_reference[mover.scale_target][static_cast<std::size_t>(b)] +
-                           row_value(values, mover.scale, b, n);
-          rows_(mover.scale_row + 9 + b, n) =
+          for (int a = 0; a < 3; ++a) rows_(mover.scale.row + 3 * b + a, n) = static_cast<float>(axes[b][a]);
+          const double s = frame_->value_reference[mover.scale.target][static_cast<std::size_t>(b)] +
+                           row_value(values, mover.scale.value, b, n);
+          rows_(mover.scale.row + 9 + b, n) =
               static_cast<float>(1.0 / (s < 0 ? std::min(s, -1e-3) : std::max(s, 1e-3)));
         }
       }
     }
     for (const Share& share : shares_) {
+      if (share.mover < 0) continue;
       const glm::dmat4& m = world_of[static_cast<std::size_t>(share.mover)];
       const glm::dvec3 arm = glm::dvec3(m * share.offset) - share.offset.w * glm::dvec3(m[3]);
       for (int a = 0; a < 3; ++a) rows_(share.row + a, n) = static_cast<float>(arm[a]);
@@ -232,26 +244,27 @@ void MotionMap::errors(const Rows& delta, Rows& error, Eigen::Index from) const 
         state.middleRows(s + 6, 9) = state.middleRows(p + 6, 9);
       }
     }
-    if (mover.translation >= 0)
+    if (mover.translation.free >= 0)
       for (int b = 0; b < 3; ++b)
         for (int a = 0; a < 3; ++a)
-          state.row(s + a) += row(mover.translation_row + 3 * b + a) * delta.row(mover.translation + b);
-    if (mover.rotation >= 0)
-      for (int b = 0; b < mover.rotation_width; ++b)
+          state.row(s + a) += row(mover.translation.row + 3 * b + a) * delta.row(mover.translation.free + b);
+    if (mover.rotation.free >= 0)
+      for (int b = 0; b < mover.rotation.width; ++b)
         for (int a = 0; a < 3; ++a)
-          state.row(s + 3 + a) += row(mover.rotation_row + 3 * b + a) * delta.row(mover.rotation + b);
-    if (mover.scale >= 0)
+          state.row(s + 3 + a) += row(mover.rotation.row + 3 * b + a) * delta.row(mover.rotation.free + b);
+    if (mover.scale.free >= 0)
       for (int k = 0; k < 3; ++k)
         for (int b = 0; b < 3; ++b)
           for (int a = 0; a < 3; ++a)
-            state.row(s + 6 + 3 * b + a) += delta.row(mover.scale + k) * row(mover.scale_row + 9 + k) *
-                                            row(mover.scale_row + 3 * k + a) * row(mover.scale_row + 3 * k + b);
+            state.row(s + 6 + 3 * b + a) += delta.row(mover.scale.free + k) * row(mover.scale.row + 9 + k) *
+                                            row(mover.scale.row + 3 * k + a) * row(mover.scale.row + 3 * k + b);
   }
   error.resize(error_rows(), count);
   for (Eigen::Index i = 0; i < point_count(); ++i) {
     error.middleRows(3 * i, 3).setZero();
     for (std::size_t k = first_[static_cast<std::size_t>(i)]; k < first_[static_cast<std::size_t>(i) + 1]; ++k) {
       const Share& share = shares_[k];
+      if (share.mover < 0) continue;
       const Eigen::Index s = width * share.mover, c = share.row;
       const float w = static_cast<float>(share.offset.w);
       error.row(3 * i + 0) += w * state.row(s + 0) + state.row(s + 4) * row(c + 2) - state.row(s + 5) * row(c + 1);
@@ -264,17 +277,19 @@ void MotionMap::errors(const Rows& delta, Rows& error, Eigen::Index from) const 
   }
   for (std::size_t m = 0; m < morphs_.size(); ++m)
     error.row(3 * point_count() + static_cast<Eigen::Index>(m)) =
-        static_cast<float>(morphs_[m].reach) * delta.row(morphs_[m].parameter);
+        static_cast<float>(morphs_[m].reach) * delta.row(morphs_[m].free);
 }
 
-void MotionMap::gradient(const Rows& weight, Rows& gradient) const {
+void MotionMap::gradient(const Rows& weight, Rows& gradient, Eigen::Index from) const {
   const Eigen::Index width = stretches_ ? 15 : 6;
-  Rows state = Rows::Zero(width * static_cast<Eigen::Index>(movers_.size()), samples_);
-  const auto row = [&](Eigen::Index r) { return rows_.row(r); };
+  const Eigen::Index count = weight.cols();
+  Rows state = Rows::Zero(width * static_cast<Eigen::Index>(movers_.size()), count);
+  const auto row = [&](Eigen::Index r) { return rows_.row(r).segment(from, count); };
   for (Eigen::Index i = 0; i < point_count(); ++i) {
     const auto g = [&](int a) { return weight.row(3 * i + a); };
     for (std::size_t k = first_[static_cast<std::size_t>(i)]; k < first_[static_cast<std::size_t>(i) + 1]; ++k) {
       const Share& share = shares_[k];
+      if (share.mover < 0) continue;
       const Eigen::Index s = width * share.mover, c = share.row;
       const float w = static_cast<float>(share.offset.w);
       for (int a = 0; a < 3; ++a) state.row(s + a) += w * g(a);
@@ -286,24 +301,24 @@ void MotionMap::gradient(const Rows& weight, Rows& gradient) const {
           for (int b = 0; b < 3; ++b) state.row(s + 6 + 3 * b + a) += g(a) * row(c + b);
     }
   }
-  gradient.setZero(static_cast<Eigen::Index>(layout_->parameters.size()), samples_);
+  gradient.setZero(free_count_, count);
   for (std::size_t i = movers_.size(); i-- > 0;) {
     const Mover& mover = movers_[i];
     const Eigen::Index s = width * static_cast<Eigen::Index>(i);
-    if (mover.translation >= 0)
+    if (mover.translation.free >= 0)
       for (int b = 0; b < 3; ++b)
         for (int a = 0; a < 3; ++a)
-          gradient.row(mover.translation + b) += row(mover.translation_row + 3 * b + a) * state.row(s + a);
-    if (mover.rotation >= 0)
-      for (int b = 0; b < mover.rotation_width; ++b)
+          gradient.row(mover.translation.free + b) += row(mover.translation.row + 3 * b + a) * state.row(s + a);
+    if (mover.rotation.free >= 0)
+      for (int b = 0; b < mover.rotation.width; ++b)
         for (int a = 0; a < 3; ++a)
-          gradient.row(mover.rotation + b) += row(mover.rotation_row + 3 * b + a) * state.row(s + 3 + a);
-    if (mover.scale >= 0)
+          gradient.row(mover.rotation.free + b) += row(mover.rotation.row + 3 * b + a) * state.row(s + 3 + a);
+    if (mover.scale.free >= 0)
       for (int k = 0; k < 3; ++k)
         for (int b = 0; b < 3; ++b)
           for (int a = 0; a < 3; ++a)
-            gradient.row(mover.scale + k) += state.row(s + 6 + 3 * b + a) * row(mover.scale_row + 9 + k) *
-                                             row(mover.scale_row + 3 * k + a) * row(mover.scale_row + 3 * k + b);
+            gradient.row(mover.scale.free + k) += state.row(s + 6 + 3 * b + a) * row(mover.scale.row + 9 + k) *
+                                                  row(mover.scale.row + 3 * k + a) * row(mover.scale.row + 3 * k + b);
     if (mover.parent < 0) continue;
     const Eigen::Index p = width * mover.parent, r = mover.offset_row;
     state.middleRows(p, 6) += state.middleRows(s, 6);
@@ -317,12 +332,12 @@ void MotionMap::gradient(const Rows& weight, Rows& gradient) const {
     }
   }
   for (std::size_t m = 0; m < morphs_.size(); ++m)
-    gradient.row(morphs_[m].parameter) +=
+    gradient.row(morphs_[m].free) +=
         static_cast<float>(morphs_[m].reach) * weight.row(3 * point_count() + static_cast<Eigen::Index>(m));
 }
 
 Eigen::VectorXd MotionMap::reach() const {
-  const auto count = static_cast<Eigen::Index>(layout_->parameters.size());
+  const Eigen::Index count = free_count_;
   Eigen::VectorXd reach(count);
   Rows delta = Rows::Zero(count, samples_), error;
   for (Eigen::Index i = 0; i < count; ++i) {

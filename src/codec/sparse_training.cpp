@@ -46,32 +46,34 @@ auto rate_slope(const Eigen::ArrayBase<Derived>& u) {
 
 class Trainer {
  public:
-  Trainer(const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const AnchorGuess& guess,
-          const SparseSettings& settings)
-      : layout_(layout),
-        steps_(steps),
+  Trainer(const TrainingInput& input, MotionMap& map, const SparseSettings& settings)
+      : layout_(*input.layout),
+        steps_(*input.steps),
+        offset_(*input.offset),
         map_(map),
         settings_(settings),
-        parameters_(layout.values.rows()),
-        samples_(layout.values.cols()) {
-    moves_.resize(parameters_);
-    guess_ = Eigen::VectorXf::Zero(parameters_);
+        parameters_(static_cast<Eigen::Index>(input.layout->moving.size())),
+        samples_(input.layout->values.cols()) {
+    truth_.resize(parameters_, samples_);
+    anchor_step_.resize(parameters_);
+    slot_step_.resize(parameters_);
     for (Eigen::Index i = 0; i < parameters_; ++i) {
-      moves_(i) = layout.parameters[static_cast<std::size_t>(i)].moves ? 1.0f : 0.0f;
-      if (!guess.empty()) guess_(i) = static_cast<float>(guess[static_cast<std::size_t>(i)]);
+      truth_.row(i) = layout_.values.row(parameter(i)).cast<float>();
+      anchor_step_(i) = static_cast<float>(steps_.anchor(parameter(i)));
+      slot_step_(i) = static_cast<float>(steps_.slot(parameter(i)));
     }
-    anchor_step_ = steps.anchor.cast<float>();
-    truth_ = layout.values.cast<float>();
     start_anchors();
     start_windows();
   }
 
   LevelClip run() {
-    if (settings_.iterations > 0) train();
+    if (settings_.iterations > 0 && parameters_ > 0) train();
     return result();
   }
 
  private:
+  Eigen::Index parameter(Eigen::Index i) const { return layout_.moving[static_cast<std::size_t>(i)]; }
+
   bool single_anchor() const { return settings_.basis == Basis::cosine; }
 
   void start_anchors() {
@@ -88,7 +90,6 @@ class Trainer {
     }
     anchors.array().colwise() /= anchor_step_.array();
     anchors_.start(std::move(anchors));
-    tie_fixed();
   }
 
   /// The whole cycles have no mean of their own: the line between the two anchors carries it, and the drift.
@@ -97,12 +98,6 @@ class Trainer {
     Eigen::VectorXf mean = truth_.leftCols(samples_ - 1).rowwise().mean();
     mean += drift * (0.5f / static_cast<float>(samples_ - 1));
     return mean + drift * (static_cast<float>(column) - 0.5f);
-  }
-
-  /// A fixed target has one value: all its anchors are the first.
-  void tie_fixed() {
-    for (Eigen::Index i = 0; i < parameters_; ++i)
-      if (moves_(i) == 0) anchors_.level.row(i).setConstant(anchors_.level(i, 0));
   }
 
   void start_windows() {
@@ -114,7 +109,7 @@ class Trainer {
       window.samples = last ? samples_ - window.first : window.length;
       window.shares = anchor_shares(settings_.basis, window.length, window.samples).cast<float>();
       const double scale = std::exp2(-settings_.step_exponent / 4.0) * std::sqrt(2.0 / window.length);
-      window.step = (steps_.slot * scale).cast<float>();
+      window.step = slot_step_ * static_cast<float>(scale);
       start_weights(window, w);
       windows_.push_back(std::move(window));
     }
@@ -128,7 +123,7 @@ class Trainer {
     Matrix levels = rest * all.transpose() * (2.0f / static_cast<float>(window.length));
     if (settings_.basis == Basis::periodic && window.length % 2 == 0 && limit >= 1)
       levels.col(limit - 1) *= 0.5f;  // the cosine at half the rate
-    levels.array().colwise() *= moves_.array() / window.step.array();
+    levels.array().colwise() /= window.step.array();
     // Features beyond the last level that could matter stay out.
     Eigen::Index count = limit;
     while (count > 0 && levels.col(count - 1).cwiseAbs().maxCoeff() < 0.5f) --count;
@@ -168,20 +163,16 @@ class Trainer {
       anchors_.gradient.col(first) += ends.col(0);
       if (!single_anchor()) anchors_.gradient.col(first + 1) += ends.col(1);
       if (window.features.rows() == 0) continue;
-      window.weights.gradient.noalias() =
-          window.step.cwiseProduct(moves_).asDiagonal() * part * window.features.transpose();
+      window.weights.gradient.noalias() = window.step.asDiagonal() * part * window.features.transpose();
       window.weights.gradient.array() += rate_weight * rate_slope(window.weights.level.array());
     }
     anchors_.gradient.array().colwise() *= anchor_step_.array();
-    for (Eigen::Index i = 0; i < parameters_; ++i)
-      if (moves_(i) == 0) anchors_.gradient.row(i).setConstant(anchors_.gradient.row(i).sum());
-    // An anchor costs the bits of its difference to what predicts it.
-    for (Eigen::Index r = 0; r < anchors_.level.cols(); ++r) {
-      const Eigen::ArrayXf before =
-          r ? Eigen::ArrayXf(anchors_.level.col(r - 1).array()) : Eigen::ArrayXf(guess_.array());
-      const Eigen::ArrayXf slope = rate_weight * rate_slope(anchors_.level.col(r).array() - before);
+    // An anchor costs the bits of its difference to the one before.
+    for (Eigen::Index r = 1; r < anchors_.level.cols(); ++r) {
+      const Eigen::ArrayXf slope =
+          rate_weight * rate_slope(anchors_.level.col(r).array() - anchors_.level.col(r - 1).array());
       anchors_.gradient.col(r).array() += slope;
-      if (r) anchors_.gradient.col(r - 1).array() -= slope;
+      anchors_.gradient.col(r - 1).array() -= slope;
     }
   }
 
@@ -215,11 +206,14 @@ class Trainer {
       const double progress = static_cast<double>(it) / settings_.iterations;
       const Matrix now = values();
       if (it % refresh == 0) {
-        const Eigen::MatrixXd middle = 0.5 * (now.cast<double>() + layout_.values);
+        Eigen::MatrixXd middle = layout_.values;
+        for (Eigen::Index i = 0; i < parameters_; ++i)
+          middle.row(parameter(i)) = 0.5 * (middle.row(parameter(i)) + now.row(i).cast<double>());
         map_.linearise(middle);
       }
       delta_ = (now - truth_).array();
       map_.errors(delta_, error_);
+      error_ += offset_;
       weigh(norm_of(progress));
       const auto points = map_.point_count();
       const float unit = static_cast<float>(2.0 / (settings_.tolerance * settings_.tolerance));
@@ -242,14 +236,13 @@ class Trainer {
       for (Window& window : windows_)
         if (window.features.rows() > 0) window.weights.step(0.15f * speed, c1, c2);
       anchors_.step(0.3f * speed, c1, c2);
-      tie_fixed();
     }
   }
 
   /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little.
   void add_shell(float unit) {
     for (Eigen::Index i = 0; i < parameters_; ++i) {
-      const auto reach = static_cast<float>(shell_share * settings_.tolerance / steps_.slot(i));
+      const auto reach = static_cast<float>(shell_share * settings_.tolerance / slot_step_(i));
       gradient_.row(i) += unit * reach * reach * delta_.row(i);
     }
   }
@@ -258,15 +251,22 @@ class Trainer {
     LevelClip clip;
     clip.basis = settings_.basis;
     clip.step_exponent = settings_.step_exponent;
-    for (Eigen::Index r = 0; r < anchors_.level.cols(); ++r)
+    const auto all = layout_.values.rows();
+    clip.anchors.resize(static_cast<std::size_t>(all * anchors_.level.cols()));
+    for (Eigen::Index r = 0; r < anchors_.level.cols(); ++r) {
+      std::int32_t* row = clip.anchors.data() + r * all;
+      for (Eigen::Index i = 0; i < all; ++i)
+        if (!layout_.parameters[static_cast<std::size_t>(i)].moves) row[i] = fixed_level(layout_, steps_, i);
       for (Eigen::Index i = 0; i < parameters_; ++i)
-        clip.anchors.push_back(static_cast<std::int32_t>(std::lround(anchors_.level(i, r))));
+        row[parameter(i)] = static_cast<std::int32_t>(std::lround(anchors_.level(i, r)));
+    }
     for (const Window& window : windows_) {
       LevelWindow made{static_cast<std::uint32_t>(window.first), window.length, {}};
       for (Eigen::Index i = 0; i < parameters_; ++i)
         for (Eigen::Index j = 0; j < window.weights.level.cols(); ++j)
-          if (const long level = std::lround(window.weights.level(i, j)); level != 0 && moves_(i) != 0)
-            made.weights.push_back({static_cast<int>(j) + 1, static_cast<int>(i), static_cast<std::int32_t>(level)});
+          if (const long level = std::lround(window.weights.level(i, j)); level != 0)
+            made.weights.push_back(
+                {static_cast<int>(j) + 1, static_cast<int>(parameter(i)), static_cast<std::int32_t>(level)});
       clip.windows.push_back(std::move(made));
     }
     return clip;
@@ -276,10 +276,11 @@ class Trainer {
 
   const ClipLayout& layout_;
   const ParameterSteps& steps_;
+  const Rows& offset_;
   MotionMap& map_;
   const SparseSettings& settings_;
   Eigen::Index parameters_, samples_;
-  Eigen::VectorXf moves_, guess_, anchor_step_;
+  Eigen::VectorXf anchor_step_, slot_step_;
   Matrix truth_;
   Trained anchors_;
   std::vector<Window> windows_;
@@ -288,9 +289,12 @@ class Trainer {
 
 }  // namespace
 
-LevelClip train_sparse(const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const AnchorGuess& guess,
-                       const SparseSettings& settings) {
-  return Trainer(layout, steps, map, guess, settings).run();
+LevelClip train_sparse(const TrainingInput& input, MotionMap& map, const SparseSettings& settings) {
+  return Trainer(input, map, settings).run();
+}
+
+std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, Eigen::Index parameter) {
+  return static_cast<std::int32_t>(std::lround(layout.values(parameter, 0) / steps.anchor(parameter)));
 }
 
 Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples) {

@@ -27,13 +27,19 @@ struct SparseSettings {
   double tolerance = 1;  ///< world units
 };
 
-/// Where a clip's first anchor is predicted from; empty: zero.
-using AnchorGuess = std::vector<std::int32_t>;
+/// A clip ready for training.
+struct TrainingInput {
+  const ClipLayout* layout = nullptr;
+  const ParameterSteps* steps = nullptr;
+  const Rows* offset = nullptr;  ///< error rows x samples: what the rounding of fixed targets alone moves the points by
+};
 
 /// Anchors and windows of a clip (times, states, atoms and reference are left to the caller). `map` is linearised anew
 /// as needed.
-LevelClip train_sparse(const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const AnchorGuess& guess,
-                       const SparseSettings& settings);
+LevelClip train_sparse(const TrainingInput& input, MotionMap& map, const SparseSettings& settings);
+
+/// The level of a fixed target's parameter.
+std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, Eigen::Index parameter);
 
 /// The parameters (parameters x samples) that levels stand for.
 Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples);

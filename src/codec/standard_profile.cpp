@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <optional>
 
@@ -57,10 +58,56 @@ std::vector<SparseSettings> cuts_of(std::size_t samples) {
   return cuts;
 }
 
+/// A clip in the set's parameters, with where its points should be.
 struct Prepared {
   ClipLayout layout;
   ParameterSteps steps;
+  Eigen::MatrixXd coded;  ///< the layout's values, fixed targets as they are coded
+  Rows wanted;            ///< positions of all points
+  Rows offset;            ///< what the rounding of fixed targets moves the training's points by
 };
+
+/// Every joint and, for each node, its few points that lie farthest apart: enough to train on.
+Points thin(const Points& points, std::size_t per_node) {
+  std::map<int, std::vector<std::size_t>> of_node;
+  Points thinned;
+  thinned.morphs = points.morphs;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto first = points.influences.begin() + points.first[i],
+               last = points.influences.begin() + points.first[i + 1];
+    const auto leading =
+        std::max_element(first, last, [](const Influence& a, const Influence& b) { return a.weight < b.weight; });
+    of_node[leading->node].push_back(i);
+  }
+  const auto place = [&](std::size_t i) {
+    const auto first = points.influences.begin() + points.first[i],
+               last = points.influences.begin() + points.first[i + 1];
+    const auto leading =
+        std::max_element(first, last, [](const Influence& a, const Influence& b) { return a.weight < b.weight; });
+    return glm::dvec3(leading->offset[0], leading->offset[1], leading->offset[2]);
+  };
+  for (const auto& [node, members] : of_node) {
+    std::vector<glm::dvec3> chosen{glm::dvec3(0.0)};
+    std::vector<bool> taken(members.size());
+    for (std::size_t round = 0; round < std::min(per_node, members.size()); ++round) {
+      std::size_t best = 0;
+      double farthest = -1;
+      for (std::size_t k = 0; k < members.size(); ++k) {
+        double nearest = std::numeric_limits<double>::max();
+        for (const glm::dvec3& other : chosen) nearest = std::min(nearest, glm::distance(other, place(members[k])));
+        if (!taken[k] && nearest > farthest) {
+          farthest = nearest;
+          best = k;
+        }
+      }
+      taken[best] = true;
+      chosen.push_back(place(members[best]));
+      const std::size_t i = members[best];
+      thinned.add(points.influences.data() + points.first[i], points.influences.data() + points.first[i + 1]);
+    }
+  }
+  return thinned;
+}
 
 std::int32_t to_level(double value, double step) { return static_cast<std::int32_t>(std::lround(value / step)); }
 
@@ -71,13 +118,16 @@ struct StandardEncoder::State {
   const CompressOptions& options;
   motion::ErrorMeter meter;
   SetFrame frame;
-  ClipSet set;                     ///< targets, steps and references; clips of the whole file, in order
+  ClipSet set;  ///< targets, steps and references; clips of the whole file, in order
+  Points training_points;
   std::vector<Prepared> prepared;  ///< per clip
   std::vector<double> seconds;
 
-  State(const Source& s, const CompressOptions& o) : source(s), options(o), meter(s.skeleton, s.all_points) {}
+  State(const Source& s, const CompressOptions& o)
+      : source(s), options(o), meter(s.skeleton, s.all_points), training_points(thin(s.points, 4)) {}
 
   void make_set();
+  void prepare(Prepared& clip) const;
   ParameterSteps steps_for(const ClipLayout& layout) const;
   std::size_t bytes_of(const LevelClip& clip) const;
   LevelClip train(std::size_t clip) const;
@@ -96,6 +146,19 @@ ParameterSteps StandardEncoder::State::steps_for(const ClipLayout& layout) const
   return steps;
 }
 
+void StandardEncoder::State::prepare(Prepared& clip) const {
+  clip.steps = steps_for(clip.layout);
+  clip.coded = clip.layout.values;
+  for (Eigen::Index i = 0; i < clip.coded.rows(); ++i)
+    if (!clip.layout.parameters[static_cast<std::size_t>(i)].moves)
+      clip.coded.row(i).setConstant(fixed_level(clip.layout, clip.steps, i) * clip.steps.anchor(i));
+  const MotionMap exact(source.skeleton, frame, clip.layout, source.points, clip.layout.values);
+  clip.wanted = exact.positions(clip.layout.values);
+  const MotionMap exact_training(source.skeleton, frame, clip.layout, training_points, clip.layout.values);
+  const MotionMap coded_training(source.skeleton, frame, clip.layout, training_points, clip.coded);
+  clip.offset = coded_training.positions(clip.layout.values) - exact_training.positions(clip.layout.values);
+}
+
 /// Steps from how far a unit of each parameter moves the farthest point; the reference pose in whole steps.
 void StandardEncoder::State::make_set() {
   std::vector<const motion::Clip*> clips;
@@ -107,7 +170,7 @@ void StandardEncoder::State::make_set() {
   std::vector<ClipLayout> layouts(clips.size());
   parallel_for(clips.size(), options.threads, [&](std::size_t c) {
     layouts[c] = layout_clip(*clips[c], frame);
-    MotionMap map(source.skeleton, frame, layouts[c], source.points);
+    MotionMap map(source.skeleton, frame, layouts[c], training_points, layouts[c].values, FreeParameters::all);
     map.linearise(layouts[c].values);
     reaches[c] = map.reach();
   });
@@ -156,7 +219,7 @@ void StandardEncoder::State::make_set() {
   prepared.resize(clips.size());
   parallel_for(clips.size(), options.threads, [&](std::size_t c) {
     prepared[c].layout = layout_clip(*clips[c], frame);
-    prepared[c].steps = steps_for(prepared[c].layout);
+    prepare(prepared[c]);
   });
 }
 
@@ -172,10 +235,10 @@ std::size_t StandardEncoder::State::bytes_of(const LevelClip& clip) const {
 bool StandardEncoder::State::within_bound(std::size_t index, LevelClip& levels, std::size_t most_atoms) const {
   const ClipSource& clip = source.clips[index];
   const Prepared& from = prepared[index];
-  MotionMap map(source.skeleton, frame, from.layout, source.points);
+  MotionMap map(source.skeleton, frame, from.layout, source.points, from.coded);
   double bound = aim * source.tolerance;
   for (int round = 0; round < 6; ++round) {
-    const bool okk = correct(levels, from.layout, from.steps, map, bound, most_atoms);
+    const bool okk = correct(levels, from.layout, from.steps, map, from.wanted, bound, most_atoms);
     if (!okk) return false;
     const Eigen::MatrixXd values = values_of_levels(levels, from.steps, from.layout.values.cols());
     Animation decoded = motion::to_animation(clip_of_parameters(clip.clip, frame, from.layout, values));
@@ -195,7 +258,8 @@ class ClipSearch {
   ClipSearch(const StandardEncoder::State& state, std::size_t index)
       : state_(state),
         index_(index),
-        map_(state.source.skeleton, state.frame, state.prepared[index].layout, state.source.points) {}
+        map_(state.source.skeleton, state.frame, state.prepared[index].layout, state.training_points,
+             state.prepared[index].coded) {}
 
   LevelClip run() {
     const std::size_t samples = state_.source.clips[index_].clip.times.size();
@@ -223,7 +287,7 @@ class ClipSearch {
     cut.step_exponent = exponent;
     cut.rate = rate;
     cut.iterations = iterations;
-    LevelClip levels = train_sparse(from.layout, from.steps, map_, {}, cut);
+    LevelClip levels = train_sparse({&from.layout, &from.steps, &from.offset}, map_, cut);
     levels.times = state_.source.clips[index_].clip.times;
     levels.states = from.layout.states;
     return levels;
@@ -235,7 +299,7 @@ class ClipSearch {
     LevelClip levels = levels_for(cut, exponent, rate, iterations);
     const std::size_t plain = state_.bytes_of(levels);
     if (plain >= best_bytes_) return plain;
-    const std::size_t room = best_ ? (best_bytes_ - plain) * 8 / 14 : 20 + 4 * levels.times.size();
+    const std::size_t room = best_ ? (best_bytes_ - plain) * 8 / 14 : 20 + 2 * levels.times.size();
     const bool kept = state_.within_bound(index_, levels, room);
     const std::size_t bytes = state_.bytes_of(levels);
     if (!kept)
