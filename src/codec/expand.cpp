@@ -82,6 +82,8 @@ std::vector<Animation> all_animations(const gltf::Document& document, const gltf
     for (const gltf::Channel& channel : asset.animations[i].channels)
       if (!(stub && channel.channel == 0) && !(found != decoded.end() && is_taken(found->second, channel.curve)))
         made.curves.push_back(channel.curve);
+    for (const gltf::UntouchedChannel& channel : asset.animations[i].untouched)
+      if (channel.curve.node >= 0) made.curves.push_back(channel.curve);
     if (found != decoded.end())
       made.curves.insert(made.curves.end(), found->second.curves.begin(), found->second.curves.end());
     animations.push_back(std::move(made));

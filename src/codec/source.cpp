@@ -101,7 +101,10 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
       clip.channels.push_back(channel.channel);
       taken.push_back(channel.curve);
     }
+    for (const gltf::UntouchedChannel& channel : animation.untouched)
+      if (channel.curve.node >= 0) clip.kept.curves.push_back(channel.curve);
     clip.original.curves = taken;
+    clip.original.curves.insert(clip.original.curves.end(), clip.kept.curves.begin(), clip.kept.curves.end());
     clip.clip = make_clip(animation.name, taken, source.tolerance, source.size);
     ClipResult& made = source.results.back();
     made.frames = clip.clip.times.size();

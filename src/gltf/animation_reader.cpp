@@ -156,7 +156,7 @@ AnimationSource read_animation(Reader& reader, std::size_t index) {
     const int number = static_cast<int>(c);
     std::string reason = reason_to_leave(json, channels[c]);
     if (!reason.empty()) {
-      source.untouched.push_back({number, std::move(reason)});
+      source.untouched.push_back({number, std::move(reason), {}});
       continue;
     }
     const tinygltf::AnimationChannel& channel = *typed_channels.at(number);
@@ -170,7 +170,7 @@ AnimationSource read_animation(Reader& reader, std::size_t index) {
     const auto sampler = static_cast<std::size_t>(channel.sampler);
     Curve curve = read_curve(reader, channel, animation.samplers.at(sampler), where.at("samplers", sampler));
     if (curve.interpolation == Interpolation::step && !has_equal_keys(curve)) {
-      source.untouched.push_back({number, "its interpolation is STEP"});
+      source.untouched.push_back({number, "its interpolation is STEP", std::move(curve)});
     } else {
       source.channels.push_back({number, channel.sampler, std::move(curve)});
     }

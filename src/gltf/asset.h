@@ -41,6 +41,7 @@ struct Channel {
 struct UntouchedChannel {
   int channel = 0;
   std::string reason;
+  Curve curve;  ///< what it does, where it is a node's curve all the same (STEP); its node is -1 elsewhere
 };
 
 struct AnimationSource {
