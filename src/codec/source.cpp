@@ -119,10 +119,10 @@ std::vector<NodeTarget> common_targets(const motion::Skeleton& skeleton,
                                        const std::vector<const motion::Clip*>& clips) {
   std::vector<std::size_t> rank(skeleton.size());
   for (std::size_t i = 0; i < skeleton.order.size(); ++i) rank[static_cast<std::size_t>(skeleton.order[i])] = i;
-  std::map<std::pair<std::size_t, Path>, NodeTarget> found;
+  std::map<std::pair<Path, std::size_t>, NodeTarget> found;
   for (const motion::Clip* clip : clips)
     for (const motion::Track& track : clip->tracks)
-      found[{rank[static_cast<std::size_t>(track.node)], track.path}] = {track.node, track.path, track.width};
+      found[{track.path, rank[static_cast<std::size_t>(track.node)]}] = {track.node, track.path, track.width};
   std::vector<NodeTarget> targets;
   for (const auto& [key, target] : found) targets.push_back(target);
   return targets;

@@ -45,7 +45,7 @@ struct NodeTarget {
   int width = 3;
 };
 
-/// The targets of some clips: all properties that one of them animates, parents before children.
+/// The targets of some clips: all properties that one of them animates, path by path, parents before children.
 std::vector<NodeTarget> common_targets(const motion::Skeleton& skeleton, const std::vector<const motion::Clip*>& clips);
 
 /// The track of a clip for a target, or null.

@@ -112,15 +112,23 @@ std::set<int> put_stubs(Document& document, const CompressionEdit& edit,
   return stubs;
 }
 
+/// Targets in their order; those of one path that follow each other are one group: {"path": "rotation", "nodes": [0, 1,
+/// 4]}.
+Json target_groups(const std::vector<Target>& targets) {
+  Json groups = Json::array();
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (i == 0 || targets[i].path != targets[i - 1].path)
+      groups.push_back(Json{{"path", path_name(targets[i].path)}, {"nodes", Json::array()}});
+    groups.back()["nodes"].push_back(targets[i].node);
+  }
+  return groups;
+}
+
 void put_clip_sets(Document& document, const CompressionEdit& edit) {
   Json clip_sets = Json::array();
   for (const auto& clip_set : edit.clip_sets) {
-    Json targets = Json::array();
-    for (const auto& target : clip_set.targets) {
-      targets.push_back(Json{{"node", target.node}, {"path", path_name(target.path)}});
-    }
     const auto view = append_view(document, clip_set.stream);
-    clip_sets.push_back(Json{{"bufferView", view}, {"targets", std::move(targets)}});
+    clip_sets.push_back(Json{{"bufferView", view}, {"targets", target_groups(clip_set.targets)}});
   }
   Json extension{{"version", 1}, {"clipSets", std::move(clip_sets)}};
   if (edit.requirement == Requirement::fallback) extension["fallback"] = true;

@@ -59,20 +59,25 @@ void check_version(const Json& extension, const Where& where) {
   }
 }
 
-Target read_target(const Document& document, const Json& value, const Where& where) {
-  if (!value.is_object()) where.fail("is no object");
-  Target target;
-  target.node = need_int(value, "node", std::min(most, array_size(document.json, "nodes")), where);
-  const auto name = find_string(value, "path", where);
+/// A group of targets of one path: {"path": "rotation", "nodes": [0, 1, 4]}.
+void read_targets(const Document& document, const Json& group, const Where& where, ClipSetBytes& clip_set,
+                  std::set<Target>& seen) {
+  if (!group.is_object()) where.fail("is no object");
+  const auto name = find_string(group, "path", where);
   if (!name) where.fail("has no path");
   const auto path = path_from_name(*name);
   if (!path) where.fail("has the path \"" + *name + "\"; expected translation, rotation, scale or weights");
-  target.path = *path;
-  const Json& node = document.json["nodes"][static_cast<std::size_t>(target.node)];
-  if (target.path == Path::weights && !find_member(node, "mesh")) {
-    where.fail("moves morph weights of a node that has no mesh");
+  const Json& nodes = need_array(group, "nodes", where);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto index = nodes[i].is_number_float() ? std::nullopt : as_index(nodes[i]);
+    if (!index || *index >= std::min(most, array_size(document.json, "nodes")))
+      where.at("nodes", i).fail("is no node of the file");
+    const Target target{static_cast<int>(*index), *path};
+    if (target.path == Path::weights && !find_member(document.json["nodes"][*index], "mesh"))
+      where.at("nodes", i).fail("has no mesh whose morph weights could move");
+    if (!seen.insert(target).second) where.at("nodes", i).fail("repeats a target of its clip set");
+    clip_set.targets.push_back(target);
   }
-  return target;
 }
 
 ClipSetBytes read_clip_set(const Document& document, const Json& value, const Where& where) {
@@ -80,10 +85,8 @@ ClipSetBytes read_clip_set(const Document& document, const Json& value, const Wh
   ClipSetBytes clip_set;
   const Json& targets = need_array(value, "targets", where);
   std::set<Target> seen;
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    clip_set.targets.push_back(read_target(document, targets[i], where.at("targets", i)));
-    if (!seen.insert(clip_set.targets.back()).second) where.at("targets", i).fail("repeats a target of its clip set");
-  }
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    read_targets(document, targets[i], where.at("targets", i), clip_set, seen);
   const auto view = need_int(value, "bufferView", std::min(most, array_size(document.json, "bufferViews")), where);
   const auto stream = stored_view(document, static_cast<std::size_t>(view));
   clip_set.stream.assign(stream.begin(), stream.end());

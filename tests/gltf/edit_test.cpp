@@ -347,10 +347,10 @@ TEST(ReadCompression, RefusesWhatBreaksTheFormat) {
   EXPECT_THAT(
       message(root + "/clipSets/1/bufferView", document.json[Json::json_pointer(root + "/clipSets/0/bufferView")]),
       HasSubstr("shares its bufferView"));
-  EXPECT_THAT(message(root + "/clipSets/0/targets/1/node", 2), HasSubstr("clipSets[0].targets[1]"));
-  EXPECT_THAT(
-      message(root + "/clipSets/0/targets/1", document.json[Json::json_pointer(root + "/clipSets/0/targets/0")]),
-      HasSubstr("repeats a target"));
+  EXPECT_THAT(message(root + "/clipSets/0/targets/0/nodes/0", 99), HasSubstr("clipSets[0].targets[0].nodes[0]"));
+  EXPECT_THAT(message(root + "/clipSets/0/targets/0/nodes/0", 0.0), HasSubstr("is no node"));
+  const Json node = document.json[Json::json_pointer(root + "/clipSets/0/targets/0/nodes/0")];
+  EXPECT_THAT(message(root + "/clipSets/0/targets/0/nodes", Json::array({node, node})), HasSubstr("repeats a target"));
   EXPECT_THAT(message(root + "/clipSets/0/targets/0/path", "pointer"), HasSubstr("has the path \"pointer\""));
   EXPECT_THAT(message(root + "/fallback", 1), HasSubstr("fallback"));
   EXPECT_THAT(message(clip + "/clipSet", 7), HasSubstr("animations[2].extensions.NMC_animation_compression"));
