@@ -190,6 +190,12 @@ PaperClip encode_paper(const Source& source, std::size_t index, const CompressOp
     network::AdaptiveOptions adaptive;
     adaptive.max_frequencies = options.max_frequencies;
     adaptive.threshold = source.tolerance;
+    if (options.time_limit_seconds > 0) {
+      const auto late = [start, limit = options.time_limit_seconds] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > limit;
+      };
+      adaptive.stop_requested = adaptive.training.stop_requested = late;
+    }
     const network::AdaptiveResult trained =
         network::train_adaptive(training, adaptive, [&](const network::PoseNetwork& net) {
           const Animation decoded = motion::to_animation(clip_of(clip, layout, network::evaluate(net, times)));

@@ -122,6 +122,13 @@ struct StandardEncoder::State {
   Points training_points;
   std::vector<Prepared> prepared;  ///< per clip
   std::vector<double> seconds;
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+
+  /// The user's time limit has passed: no clip looks any further than its first result.
+  bool is_late() const {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+    return options.time_limit_seconds > 0 && spent.count() > options.time_limit_seconds;
+  }
 
   State(const Source& s, const CompressOptions& o)
       : source(s), options(o), meter(s.skeleton, s.all_points), training_points(thin(s.points, 4)) {}
@@ -296,6 +303,10 @@ class ClipSearch {
   /// Trains, corrects, and keeps the result if it is the smallest. Returns its bytes, or more where it is not within
   /// the bound.
   std::size_t offer(const SparseSettings& cut, int exponent, double rate, int iterations) {
+    if (state_.is_late()) {
+      if (best_) return std::numeric_limits<std::size_t>::max();
+      iterations = 0;
+    }
     LevelClip levels = levels_for(cut, exponent, rate, iterations);
     const std::size_t plain = state_.bytes_of(levels);
     if (plain >= best_bytes_) return plain;
