@@ -13,7 +13,7 @@ namespace nmc::motion {
 struct BvhOptions {
   double scale = 1;              ///< metres per unit of the file
   double frames_per_second = 0;  ///< keep every n-th frame to come nearest to this rate; 0: all frames
-  std::string clip_name;
+  std::string clip_name = {};    ///< the name that the clip gets
 };
 
 /// Nodes in the order of the file. `skeleton.joints` are the ROOT and JOINT entries; end sites are nodes without

@@ -19,7 +19,7 @@ double character_size(const Skeleton& skeleton, const Points& points);
 /// Distances in world units, over all sampled times: the key times of the original and the midpoints between them.
 /// What is not a number, in either animation, makes the measures that see it infinite: no comparison with a tolerance
 /// passes it. `mean`, `percentile_99` and `jitter` are over at most 300 points picked evenly from all (fewer, 16 at
-/// least, in clips of more than 13,000 samples); the maxima and `loop_seam` are over all points.
+/// least, in clips of more than 26,000 samples); the maxima and `loop_seam` are over all points.
 struct ErrorReport {
   double max = 0;  ///< over all points, and over the morph errors of the nodes (below)
   double mean = 0;

@@ -9,15 +9,10 @@
 #include <vector>
 
 #include "support/process.h"
+#include "support/sanitized.h"
 #include "support/scratch.h"
 
 namespace nmc::test {
-
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool sanitized = true;
-#else
-inline constexpr bool sanitized = false;
-#endif
 
 class CommandLine : public testing::Test {
  protected:

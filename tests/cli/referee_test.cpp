@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(
                     RefereeCase{"mocap/cmuamc_02_03.glb", "2%"}, RefereeCase{"mocap/cmuamc_35_01.glb", "2%"},
                     RefereeCase{"mocap/cmuamc_49_18_30hz.glb", "2%"}, RefereeCase{"mocap/keijiro30_85_12.glb", "10%"},
                     RefereeCase{"mocap/cmufbx_49_08.glb", "2%"}),
-    [](const auto& info) { return std::filesystem::path(info.param.file).stem().string(); });
+    [](const auto& test) { return std::filesystem::path(test.param.file).stem().string(); });
 
 }  // namespace
 }  // namespace nmc::test

@@ -185,14 +185,13 @@ TEST_F(RoundTrip, SampleCharacters) {
   const std::string maker = std::string(NMC_BUILD_DIR) + "/make_characters";
   if (!std::filesystem::exists(maker)) GTEST_SKIP() << "needs " << maker;
   ASSERT_EQ(run_process({maker, file("characters")}).exit_code, 0);
-  std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(file("characters"))) {
     const std::string in = entry.path().string();
     SCOPED_TRACE(in);
-    if (sanitized && ++files > 1) break;  // an instrumented build takes minutes for each
+    if (sanitized && entry.file_size() > 800'000) continue;  // an instrumented build takes minutes for each
     const std::vector<std::string> effort =
         sanitized ? std::vector<std::string>{"--time-limit", "20"} : std::vector<std::string>{"--time-limit", "60"};
-    std::vector<std::string> options{"--tolerance", "0.5%"};
+    std::vector<std::string> options{"--tolerance", "0.5%", "--effort", "1"};
     options.insert(options.end(), effort.begin(), effort.end());
     compress(in, file("packed.glb"), options);
     run_well({"decode", file("packed.glb"), file("plain.glb")});

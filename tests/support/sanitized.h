@@ -1,0 +1,12 @@
+// Whether this is a build with sanitizers, where slow tests take fewer files.
+#pragma once
+
+namespace nmc::test {
+
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool sanitized = true;
+#else
+inline constexpr bool sanitized = false;
+#endif
+
+}  // namespace nmc::test
