@@ -125,7 +125,7 @@ class Trainer {
       levels.col(limit - 1) *= 0.5f;  // the cosine at half the rate
     levels.array().colwise() /= window.step.array();
     // Features beyond the last level that could matter stay out.
-    Eigen::Index count = limit;
+    Eigen::Index count = parameters_ > 0 ? limit : 0;
     while (count > 0 && levels.col(count - 1).cwiseAbs().maxCoeff() < 0.5f) --count;
     count = std::min(limit, count);
     window.features = all.topRows(count);
