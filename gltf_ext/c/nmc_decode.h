@@ -284,10 +284,11 @@ static const double nmc__pi = 3.14159265358979323846;
 
 static int64_t nmc__round(double x) { return (int64_t)(x < 0 ? x - 0.5 : x + 0.5); }
 
-/* sin and cos of 2 pi turns, |turns| < 2^52; error below 1e-11. */
+/* sin and cos of 2 pi turns, |turns| < 2^52, error below 1e-11; of anything else those of 0, so that a stream with
+ * senseless values is harmless. */
 static void nmc__sin_cos(double turns, double *sine, double *cosine) {
-  const double quarter = (double)nmc__round(turns * 4);
-  const double x = (turns - quarter / 4) * 2 * nmc__pi, y = x * x;
+  const double quarter = turns > -4e15 && turns < 4e15 ? (double)nmc__round(turns * 4) : 0;
+  const double x = turns > -4e15 && turns < 4e15 ? (turns - quarter / 4) * 2 * nmc__pi : 0, y = x * x;
   const double s = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880 - y / 39916800)))));
   const double c =
       1 + y * (-0.5 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320 + y * (-1.0 / 3628800 + y / 479001600)))));
@@ -323,15 +324,15 @@ static double nmc__angle(double y, double x) {
   return steep ? nmc__pi / 2 - t : t;
 }
 
-/* e^x for x <= 0. */
+/* e^x for x <= 0; 0 for what is not a number. */
 static double nmc__exp(double x) {
   const double t = x * 1.44269504088896340736;
-  const int64_t whole = t < -1000 ? -1000 : nmc__round(t);
+  const int64_t whole = t > -1000 ? nmc__round(t) : -1000;
   const double r = (t - (double)whole) * 0.69314718055994530942;
   double e = 1 + r * (1 + r * (0.5 + r * (1.0 / 6 + r * (1.0 / 24 + r * (1.0 / 120 + r * (1.0 / 720 + r / 5040))))));
   int64_t k = -whole;
   double half = 0.5;
-  if (t < -1000) return 0;
+  if (!(t > -1000)) return 0;
   for (; k > 0; k >>= 1, half *= half)
     if (k & 1) e *= half;
   return whole > 0 ? e * 2 : e;
@@ -496,8 +497,9 @@ nmc_result nmc_read_info(const void *data, size_t size, nmc_info *info) {
     return NMC_ERROR_LIMIT;
   if (info->samples > NMC__MAX_SAMPLES || info->windows > info->samples || info->max_features > NMC__MAX_FEATURES)
     return NMC_ERROR_LIMIT;
-  if (info->weights > most || info->atoms > most || info->dense > most || info->anchors > 16 * most)
-    return NMC_ERROR_LIMIT;
+  if (info->weights > most || info->atoms > most || info->dense > most || info->windows > most) return NMC_ERROR_LIMIT;
+  if (info->samples > 16 * most || info->anchors > 16 * most) return NMC_ERROR_LIMIT;
+  if ((uint64_t)info->windows * info->targets > 64 * most) return NMC_ERROR_LIMIT;
   if ((uint64_t)info->slots * (info->max_features + 1) > 64 * most || (uint64_t)info->clips * info->targets > 64 * most)
     return NMC_ERROR_LIMIT;
   if (info->hidden0 > NMC__MAX_HIDDEN || info->hidden1 > NMC__MAX_HIDDEN || info->max_frequencies > NMC__MAX_FEATURES)
@@ -806,13 +808,13 @@ static void nmc__code_targets(nmc__coder *c, nmc_set *set) {
         if (target->path == NMC_ROTATION && a == 3) {
           *e = before;
         } else {
-          *e = before +
-               nmc__simple_signed(c, NMC__S_STATE + 16 + 4 * (uint32_t)target->path + nmc__least(a, 3), *e - before);
-          before = *e;
-        }
-        if (*e < -127 || *e > 127) {
-          nmc__fail(c, NMC_ERROR_CORRUPT);
-          return;
+          const uint32_t context = NMC__S_STATE + 16 + 4 * (uint32_t)target->path + nmc__least(a, 3);
+          const int64_t exponent = before + (int64_t)nmc__simple_signed(c, context, *e - before);
+          if (exponent < -127 || exponent > 127) {
+            nmc__fail(c, NMC_ERROR_CORRUPT);
+            return;
+          }
+          *e = before = (int32_t)exponent;
         }
         if (target->path == NMC_ROTATION && a == 3) continue;
         set->references[offset + a] = (float)nmc__signed_number(c, 3, &run, 1, 0, (int32_t)set->references[offset + a]);
@@ -1002,14 +1004,14 @@ static void nmc__recall(nmc_set *set, int32_t index) {
 static void nmc__code_anchors(nmc__coder *c, nmc_set *set, uint32_t index) {
   nmc_clip *clip = &set->clips[index];
   const uint8_t *states = set->states + (size_t)index * set->info.targets;
-  uint32_t r, t, a;
+  uint32_t r, t, a, back;
   nmc__part(c, NMC__ANCHORS);
-  clip->reference =
-      (int32_t)(index - nmc__simple(c, NMC__S_REFERENCE, (uint32_t)((int64_t)index - clip->reference - 1))) - 1;
-  if (clip->reference < -1 || clip->reference >= (int32_t)index) {
+  back = nmc__simple(c, NMC__S_REFERENCE, (uint32_t)((int64_t)index - clip->reference - 1));
+  if (back > index) {
     nmc__fail(c, NMC_ERROR_CORRUPT);
     return;
   }
+  clip->reference = (int32_t)(index - back) - 1;
   if ((uint64_t)clip->anchor_rows * clip->parameters > set->info.anchors - clip->first_anchor) {
     nmc__fail(c, NMC_ERROR_CORRUPT);
     return;
@@ -1073,10 +1075,14 @@ static void nmc__code_row(nmc__coder *c, nmc_set *set, nmc_window *w, uint32_t p
   const uint8_t *near1 = axis > 0 ? row - stride : NULL, *near2 = axis > 1 ? row - 2 * (size_t)stride : NULL;
   const uint8_t *other = same != UINT32_MAX ? set->classes + (size_t)same * stride : NULL;
   const uint32_t path = set->targets[target].path;
-  uint32_t runs[NMC__INPUTS], count = 0, j, k, one = 0, two = 0;
+  uint32_t runs[NMC__INPUTS], count = 0, j, one = 0, two = 0;
   uint8_t *length = &set->lengths[slot];
   const uint32_t stale = nmc__least((1u << *length) - 1u, most);
-  for (k = *next; k < end && set->weights[k].parameter == parameter; ++k) count = set->weights[k].feature;
+#ifdef NMC_ENCODER
+  uint32_t k;
+  if (c->sink)
+    for (k = *next; k < end && set->weights[k].parameter == parameter; ++k) count = set->weights[k].feature;
+#endif
   runs[0] = NMC__COUNT_A + nmc__least(*length, 11) * 12 + nmc__least(axis > 0 ? set->lengths[slot - 1] : 11u, 11);
   runs[1] =
       NMC__COUNT_B + (nmc__least(axis > 1 ? set->lengths[slot - 2] : 11u, 11) * 3 + nmc__least(axis, 2)) * 4 + path;
@@ -1367,39 +1373,27 @@ static nmc_result nmc__settle_references(nmc_set *set) {
 static void nmc__settle_clip(nmc_set *set, uint32_t index) {
   nmc_clip *clip = &set->clips[index];
   const uint8_t *states = set->states + (size_t)index * set->info.targets;
-  uint32_t t, a, r, k, parameter = 0, weight;
+  int32_t *slots = set->levels; /* the slot of each parameter */
+  uint32_t t, a, r, k, i, parameter = 0;
   float *anchors = set->anchors + clip->first_anchor;
   for (t = 0; t < set->info.targets; ++t) {
     const uint32_t n = nmc__parameters(&set->targets[t], states[t]);
     for (a = 0; a < n; ++a, ++parameter) {
       const double step = nmc__anchor_step(set, set->targets[t].offset + a);
+      slots[parameter] = (int32_t)(set->targets[t].offset + a);
       for (r = 0; r < clip->anchor_rows; ++r) anchors[(size_t)r * clip->parameters + parameter] *= (float)step;
     }
   }
   for (k = 0; k < clip->windows; ++k) {
     const nmc_window *w = &set->windows[clip->first_window + k];
-    parameter = 0;
-    weight = w->first_weight;
-    for (t = 0; t < set->info.targets; ++t) {
-      const uint32_t n = nmc__parameters(&set->targets[t], states[t]);
-      for (a = 0; a < n; ++a, ++parameter) {
-        const double step = nmc__weight_step(set, clip, set->targets[t].offset + a, w->length);
-        for (; weight < w->first_weight + w->weights && set->weights[weight].parameter == parameter; ++weight)
-          set->weights[weight].value *= (float)step;
-      }
+    for (i = w->first_weight; i < w->first_weight + w->weights; ++i) {
+      const uint32_t slot = (uint32_t)slots[set->weights[i].parameter];
+      set->weights[i].value *= (float)nmc__weight_step(set, clip, slot, w->length);
     }
   }
   for (k = 0; k < clip->atoms; ++k) {
     nmc_atom *atom = &set->atoms[clip->first_atom + k];
-    parameter = 0;
-    for (t = 0; t < set->info.targets; ++t) {
-      const uint32_t n = nmc__parameters(&set->targets[t], states[t]);
-      if (atom->parameter < parameter + n) {
-        atom->value *= (float)nmc__anchor_step(set, set->targets[t].offset + atom->parameter - parameter);
-        break;
-      }
-      parameter += n;
-    }
+    atom->value *= (float)nmc__anchor_step(set, (uint32_t)slots[atom->parameter]);
   }
 }
 

@@ -209,6 +209,8 @@ std::vector<std::uint8_t> write_clip_set(const ClipSet& set) {
   run(filled, sink);
   const std::uint32_t sum = nmc_checksum(bytes.data() + 8, bytes.size() - 8);
   for (std::size_t i = 0; i < 4; ++i) bytes[4 + i] = static_cast<std::uint8_t>(sum >> (8 * i));
+  nmc_info read;
+  if (nmc_read_info(bytes.data(), bytes.size(), &read) == NMC_ERROR_LIMIT) too_large("keys for their content");
   return bytes;
 }
 

@@ -43,6 +43,8 @@ std::vector<TimeFormula> candidates_for(std::span<const float> times) {
   }
   candidates.push_back({2, 0, 0, times.front(), step, true});
   candidates.push_back({2, 0, 0, times.front(), static_cast<double>(static_cast<float>(step)), true});
+  for (double scale = 1e4; scale < 1e10; scale *= 10)  // a frame time written with few decimals, as in BVH files
+    candidates.push_back({2, 0, 0, times.front(), std::round(step * scale) / scale, true});
   const TimeFormula sum{3, 0, 0, times.front(), 0, true};
   add_float_steps(candidates, sum, static_cast<float>(step));
   if (times.size() > 1) add_float_steps(candidates, sum, times[1] - times[0]);

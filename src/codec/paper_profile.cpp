@@ -14,6 +14,10 @@
 namespace nmc::codec {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
 /// One target of the clip and where its parameters stand in the pose vector.
 struct PaperTarget {
   const motion::Track* track = nullptr;
@@ -170,7 +174,7 @@ ClipSet to_clip_set(const motion::Clip& clip, const std::vector<PaperTarget>& la
 }  // namespace
 
 PaperClip encode_paper(const Source& source, std::size_t index, const CompressOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const ClipSource& from = source.clips[index];
   const motion::Clip& clip = from.clip;
   PaperClip result;
@@ -194,7 +198,10 @@ PaperClip encode_paper(const Source& source, std::size_t index, const CompressOp
         network::train_adaptive(training, adaptive, [&](const network::PoseNetwork& net) {
           const Animation decoded = motion::to_animation(clip_of(clip, layout, network::evaluate(net, times)));
           const std::vector<double> errors = meter.profile(original, decoded).max_error;
-          return *std::max_element(errors.begin(), errors.end());
+          const double error = *std::max_element(errors.begin(), errors.end());
+          result.steps.push_back(
+              {static_cast<int>(net.half_cycles.size()), error, network::parameter_count(net), seconds_since(start)});
+          return error;
         });
     result.joint_error = trained.error;
     result.reached = trained.success;
@@ -202,7 +209,7 @@ PaperClip encode_paper(const Source& source, std::size_t index, const CompressOp
     result.set.frequencies = {static_cast<int>(trained.network.half_cycles.size())};
     result.set.stream = write_clip_set(to_clip_set(clip, layout, &trained.network));
   }
-  result.set.seconds = {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
+  result.set.seconds = {seconds_since(start)};
   return result;
 }
 

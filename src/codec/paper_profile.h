@@ -1,22 +1,33 @@
 // The codec of Tojo, Chen and Umetani 2022 as published: one network a clip, float32 weights, Algorithm 1.
 #pragma once
 
-#include <optional>
-#include <string>
+#include <cstddef>
+#include <vector>
 
 #include "codec/source.h"
 
 namespace nmc::codec {
 
-/// The outcome of Algorithm 1 on one clip.
-struct PaperClip {
-  EncodedSet set;              ///< of this clip alone
-  double joint_error = 0;      ///< the paper's: largest distance of a joint over all frames, world units
-  bool reached = false;        ///< joint_error is within the tolerance
+/// One network on the way of Algorithm 1.
+struct PaperStep {
+  int frequencies = 0;         ///< K
+  double joint_error = 0;      ///< world units
   std::size_t parameters = 0;  ///< numbers in alpha
-  std::size_t values = 0;      ///< numbers in Y: the paper's ratio is values / parameters
+  double seconds = 0;          ///< since the start, training of all networks up to this one
 };
 
+/// The outcome of Algorithm 1 on one clip.
+struct PaperClip {
+  EncodedSet set;                ///< of this clip alone
+  double joint_error = 0;        ///< the paper's: largest distance of a joint over all frames, world units
+  bool reached = false;          ///< joint_error is within the tolerance
+  std::size_t parameters = 0;    ///< numbers in alpha
+  std::size_t values = 0;        ///< numbers in Y: the paper's ratio is values / parameters
+  std::vector<PaperStep> steps;  ///< one per number of frequencies that was trained
+};
+
+/// Runs Algorithm 1 on clip `clip` until the largest joint error is within source.tolerance or K is
+/// options.max_frequencies; the stream holds the network with the least error.
 PaperClip encode_paper(const Source& source, std::size_t clip, const CompressOptions& options);
 
 }  // namespace nmc::codec
