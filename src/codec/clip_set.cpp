@@ -74,6 +74,13 @@ struct Filled {
   nmc_set set{};
 };
 
+/// Levels are whole numbers that a float holds.
+float level_as_float(std::int32_t level) {
+  if (level > -(1 << 23) && level < 1 << 23) return static_cast<float>(level);
+  throw Error(ErrorCode::unsupported,
+              "the tolerance is finer than the format's 23 bits can follow the motion; allow a larger error");
+}
+
 void fill_targets(const ClipSet& from, nmc_set& to) {
   std::uint32_t offset = 0;
   for (std::size_t t = 0; t < from.targets.size(); ++t) {
@@ -85,7 +92,7 @@ void fill_targets(const ClipSet& from, nmc_set& to) {
       if (from.exact_references)
         to.references[offset] = target.exact_reference[i];
       else if (i < target.reference.size())
-        to.references[offset] = static_cast<float>(target.reference[i]);
+        to.references[offset] = level_as_float(target.reference[i]);
     }
   }
 }
@@ -129,17 +136,17 @@ void fill_clip(const ClipSet& set, const LevelClip& from, std::size_t index, nmc
   at.time += clip.samples;
   for (std::size_t t = 0; t < set.targets.size(); ++t)
     to.states[index * set.targets.size() + t] = static_cast<std::uint8_t>(from.states[t]);
-  for (const std::int32_t level : from.anchors) to.anchors[at.anchor++] = static_cast<float>(level);
+  for (const std::int32_t level : from.anchors) to.anchors[at.anchor++] = level_as_float(level);
   for (const LevelWindow& window : from.windows) {
     to.windows[at.window++] = {window.begin, window.length, at.weight,
                                static_cast<std::uint32_t>(window.weights.size()), 0};
     for (const LevelWeight& weight : window.weights)
       to.weights[at.weight++] = {static_cast<std::uint16_t>(weight.feature),
-                                 static_cast<std::uint16_t>(weight.parameter), static_cast<float>(weight.level)};
+                                 static_cast<std::uint16_t>(weight.parameter), level_as_float(weight.level)};
   }
   for (const LevelAtom& atom : from.atoms)
     to.atoms[at.atom++] = {atom.sample, static_cast<std::uint16_t>(atom.parameter),
-                           static_cast<std::uint16_t>(atom.width), static_cast<float>(atom.level)};
+                           static_cast<std::uint16_t>(atom.width), level_as_float(atom.level)};
   if (!set.has_network) return;
   clip.first_dense = at.dense;
   for (const int k : from.layer.half_cycles) to.dense[at.dense++] = static_cast<float>(k);

@@ -1,0 +1,222 @@
+// The whole job on documents in memory: the bound is kept, the times come back, what is not taken stays.
+#include "codec/compress.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "closed_form.h"
+#include "codec/decoded_set.h"
+#include "codec/paper_profile.h"
+#include "codec/reference_codec.h"
+#include "compressed_document.h"
+#include "motion/error.h"
+#include "network/fourier_features.h"
+#include "network/pose_network.h"
+#include "samples/characters.h"
+#include "support/tiny_glb.h"
+
+namespace nmc::test {
+namespace {
+
+using codec::CompressOptions;
+using codec::CompressResult;
+using codec::Outcome;
+
+Document tiny() { return gltf::parse_document(TinyGlb().bytes(), "tiny.glb", {}); }
+Document humanoid() {
+  return gltf::parse_document(samples::make_character("humanoid_30hz.glb"), "humanoid_30hz.glb", {});
+}
+
+CompressOptions quick(double fraction) {
+  CompressOptions options;
+  options.effort = 1;
+  options.tolerance.value = fraction;
+  options.threads = 1;
+  return options;
+}
+
+/// The errors of all animations of an expanded document, by the meter alone; in world units.
+std::vector<motion::ErrorReport> errors_of(const Document& original, const Document& expanded) {
+  const gltf::Asset asset = gltf::read_asset(original);
+  const motion::Skeleton skeleton = codec::make_skeleton(asset);
+  const Points points = gltf::skin_points(original, asset, true);
+  const std::vector<Animation> wanted = core_animations(original), got = core_animations(expanded);
+  std::vector<motion::ErrorReport> reports;
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    reports.push_back(motion::measure_error(skeleton, points, wanted[i], got.at(i)));
+  return reports;
+}
+
+void expect_times_bit_for_bit(const Document& original, const Document& expanded) {
+  const std::vector<Animation> wanted = core_animations(original), got = core_animations(expanded);
+  ASSERT_EQ(wanted.size(), got.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    for (const Curve& curve : wanted[i].curves) {
+      const Curve* made = find_curve(got[i], curve.node, curve.path);
+      ASSERT_NE(made, nullptr) << wanted[i].name << ", node " << curve.node;
+      if (made->times.size() <= 2) continue;  // a value that never changes
+      EXPECT_EQ(made->times, curve.times) << wanted[i].name << ", node " << curve.node;
+    }
+}
+
+/// Compresses the first animations only.
+void expect_kept_promises(const Document& original, double fraction, std::size_t animations) {
+  CompressOptions options = quick(fraction);
+  const std::vector<Animation> all = core_animations(original);
+  for (std::size_t i = animations; i < all.size(); ++i) options.exclude.push_back(all[i].name);
+  const CompressResult result = codec::compress(original, options);
+  EXPECT_EQ(untouched_difference(original, result), "");
+  const Document expanded = codec::expand(result.document);
+  EXPECT_EQ(expanded.json.dump().find("NMC_animation_compression"), std::string::npos);
+  const std::vector<motion::ErrorReport> errors = errors_of(original, expanded);
+  ASSERT_EQ(errors.size(), result.clips.size());
+  for (std::size_t i = animations; i < errors.size(); ++i) EXPECT_EQ(errors[i].max, 0) << "an excluded animation";
+  for (std::size_t i = 0; i < animations; ++i) {
+    EXPECT_EQ(result.clips[i].outcome, Outcome::compressed) << result.clips[i].name << ": " << result.clips[i].reason;
+    EXPECT_LE(errors[i].max, fraction * result.size * (1 + 1e-6)) << result.clips[i].name;
+    EXPECT_NEAR(errors[i].max, result.clips[i].error.max, 1e-6 * result.size) << result.clips[i].name;
+  }
+  expect_times_bit_for_bit(original, expanded);
+  EXPECT_LT(gltf::to_glb(result.document).size(), gltf::to_glb(original).size());
+}
+
+TEST(Compress, TinyCharacterKeepsItsPromises) {
+  for (const double fraction : {0.02, 0.001}) expect_kept_promises(tiny(), fraction, 1);
+}
+
+TEST(Compress, HumanoidKeepsItsPromises) { expect_kept_promises(humanoid(), 0.005, 1); }
+
+TEST(Compress, FallbackKeepsTheAnimationsBitForBit) {
+  const Document original = tiny();
+  CompressOptions options = quick(0.01);
+  options.requirement = gltf::Requirement::fallback;
+  const CompressResult result = codec::compress(original, options);
+  ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+  EXPECT_EQ(untouched_difference(original, result, gltf::Requirement::fallback), "");
+  EXPECT_EQ(core_animations(result.document)[0].curves, core_animations(original)[0].curves);
+  EXPECT_EQ(core_animations(codec::expand(result.document))[0].curves, core_animations(original)[0].curves);
+}
+
+TEST(Compress, WhatIsNotTakenStaysBitForBit) {
+  const Document original = tiny();
+  const auto expect_same = [&](const CompressOptions& options, Outcome outcome) {
+    const CompressResult result = codec::compress(original, options);
+    EXPECT_EQ(result.clips[0].outcome, outcome);
+    EXPECT_EQ(gltf::to_glb(result.document), gltf::to_glb(original));
+  };
+  CompressOptions options = quick(0.01);
+  options.exclude = {"wave"};
+  expect_same(options, Outcome::kept_nothing_to_take);
+}
+
+TEST(Compress, ATooFineToleranceIsSaidToBe) {
+  try {
+    codec::compress(tiny(), quick(1e-9));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::unsupported);
+    EXPECT_NE(std::string(error.what()).find("tolerance"), std::string::npos);
+  }
+}
+
+TEST(Compress, SameBytesForAnyNumberOfThreads) {
+  for (const codec::Profile profile : {codec::Profile::standard, codec::Profile::paper}) {
+    CompressOptions options = quick(0.01);
+    options.profile = profile;
+    options.max_frequencies = 3;
+    const gltf::Bytes one = gltf::to_glb(codec::compress(tiny(), options).document);
+    options.threads = 2;
+    EXPECT_EQ(gltf::to_glb(codec::compress(tiny(), options).document), one);
+  }
+}
+
+TEST(Compress, CompressingTwiceIsRefused) {
+  const CompressResult result = codec::compress(tiny(), quick(0.01));
+  EXPECT_THROW(codec::compress(result.document, quick(0.01)), Error);
+}
+
+TEST(Compress, PaperProfileKeepsTheToleranceOnJoints) {
+  const Document original = tiny();
+  CompressOptions options = quick(0.05);
+  options.profile = codec::Profile::paper;
+  const codec::PaperClip clip = codec::encode_paper(codec::read_source(original, options), 0, options);
+  ASSERT_TRUE(clip.reached);
+  const double tolerance = codec::read_source(original, options).tolerance;
+  EXPECT_LE(clip.joint_error, tolerance);
+  ASSERT_FALSE(clip.steps.empty());
+  EXPECT_EQ(clip.steps.back().joint_error, clip.joint_error);
+  for (std::size_t k = 0; k < clip.steps.size(); ++k) EXPECT_EQ(clip.steps[k].frequencies, static_cast<int>(k));
+  const CompressResult result = codec::compress(original, options);
+  EXPECT_EQ(untouched_difference(original, result), "");
+  if (result.clips[0].outcome == Outcome::compressed) {
+    const double error = errors_of(original, codec::expand(result.document))[0].max_joint;
+    EXPECT_LE(error, tolerance);
+    EXPECT_NEAR(error, clip.joint_error, 1e-3 * tolerance);
+  }
+}
+
+/// The stream's tensors put into the network of network/, evaluated there.
+TEST(Compress, PaperStreamIsTheNetwork) {
+  CompressOptions options = quick(0.0);
+  options.profile = codec::Profile::paper;
+  options.max_frequencies = 2;
+  const codec::PaperClip paper = codec::encode_paper(codec::read_source(tiny(), options), 0, options);
+  const codec::DecodedSet decoded(paper.set.stream, "paper");
+  const nmc_set& raw = decoded.raw();
+  const nmc_clip& clip = raw.clips[0];
+  ASSERT_TRUE(raw.has_network && !raw.quantized_network);
+  const auto k = static_cast<Eigen::Index>(clip.frequencies);
+  const Eigen::Index h = network::paper_hidden_size(k), d = 2 * k + 1, m = raw.outputs;
+  ASSERT_EQ(raw.info.hidden0, h);
+  ASSERT_EQ(raw.info.hidden1, h);
+  network::PoseNetwork net = network::make_network({}, h, m, false, 1);
+  for (Eigen::Index i = 0; i < k; ++i) net.half_cycles.push_back(static_cast<int>(raw.dense[clip.first_dense + i]));
+  const float* at = raw.dense + clip.first_dense + k;
+  const auto take = [&at](Eigen::Index rows, Eigen::Index columns) {
+    const Eigen::MatrixXf tensor = Eigen::Map<const Eigen::MatrixXf>(at, rows, columns);
+    at += rows * columns;
+    return tensor;
+  };
+  net.W0 = take(h, d);
+  net.b0 = take(h, 1);
+  at = raw.dense + raw.first_shared;
+  net.W1 = take(h, h);
+  net.b1 = take(h, 1);
+  net.W2 = take(m, h);
+  net.b2 = take(m, 1);
+  EXPECT_EQ(network::parameter_count(net), paper.steps.at(static_cast<std::size_t>(k)).parameters);
+
+  const Eigen::MatrixXf poses = network::evaluate(net, network::frame_times(clip.samples));
+  std::vector<std::uint64_t> scratch(raw.info.scratch_bytes / 8 + 1);
+  std::vector<float> pose(raw.info.slots);
+  for (std::uint32_t n = 0; n < clip.samples; ++n) {
+    ASSERT_EQ(nmc_sample(&raw, 0, n, pose.data(), scratch.data()), NMC_OK);
+    Eigen::Index p = 0;
+    for (std::uint32_t t = 0; t < raw.info.targets; ++t) {
+      const float* got = pose.data() + raw.targets[t].offset;
+      const float* r = raw.pose + raw.targets[t].offset;
+      const int state = nmc_state(&raw, 0, t);
+      if (state < NMC_MOVING) continue;
+      std::vector<double> wanted;
+      if (state == NMC_QUATERNION) {
+        const Eigen::RowVector4d q = poses.block<1, 4>(n, p).cast<double>().normalized();
+        wanted.assign(q.data(), q.data() + 4);
+        p += 4;
+      } else if (raw.targets[t].path == NMC_ROTATION) {
+        const Quaternion q =
+            hamilton({r[0], r[1], r[2], r[3]}, quaternion_of(poses(n, p), poses(n, p + 1), poses(n, p + 2)));
+        wanted.assign(q.begin(), q.end());
+        p += 3;
+      } else {
+        for (int a = 0; a < raw.targets[t].width; ++a) wanted.push_back(static_cast<double>(r[a]) + poses(n, p++));
+      }
+      for (std::size_t a = 0; a < wanted.size(); ++a) ASSERT_NEAR(got[a], wanted[a], 1e-5) << n << ", target " << t;
+    }
+    ASSERT_EQ(p, m);
+  }
+}
+
+}  // namespace
+}  // namespace nmc::test
