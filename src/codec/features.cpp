@@ -20,8 +20,7 @@ Eigen::MatrixXd window_features(Basis basis, std::uint32_t window_length, Eigen:
   return features;
 }
 
-Eigen::Index feature_limit(Basis basis, std::uint32_t window_length) {
-  if (basis == Basis::periodic) return window_length;  // cosines and sines up to half the rate
+Eigen::Index feature_limit(Basis, std::uint32_t window_length) {
   return static_cast<Eigen::Index>(window_length) - 1;
 }
 
