@@ -1,0 +1,187 @@
+// Appendix A.2 of the specification: the range coder, its models, and numbers made of its decisions.
+import { NmcError } from './error.js';
+
+const squashPoints = [
+  22, 36, 60, 98, 162, 267, 439, 720, 1179, 1921, 3108, 4971, 7812, 11955, 17625, 24743, 32768, 40793, 47911, 53581, 57724, 60565, 62428,
+  63615, 64357, 64816, 65097, 65269, 65374, 65438, 65476, 65500, 65514,
+];
+
+/** squash(x) at [x + 2048]. */
+const squashTable = Int32Array.from({ length: 4096 }, (_, y) => {
+  const i = y >> 7;
+  const f = y & 127;
+  return (squashPoints[i] * (128 - f) + squashPoints[i + 1] * f) >> 7;
+});
+
+/** stretch(q). Squash never falls, so one walk along x serves all q. */
+const stretchTable = new Float64Array(4096);
+for (let q = 0, x = -2047; q < 4096; ++q) {
+  while (x < 2047 && squashTable[x + 2048] >> 4 < q) ++x;
+  stretchTable[q] = x;
+}
+
+const rates = Int32Array.from({ length: 61 }, (_, n) => Math.floor(131072 / (2 * n + 3)));
+const groups = 6;
+const mostRuns = 6;
+const plainLimit = 30;
+const mixedLimit = 60;
+
+/** Reads the decisions of one payload. Runs are numbered from 0; the caller says how many there are. */
+export class Decisions {
+  /**
+   * @param {Uint8Array} bytes the stream
+   * @param {number} begin where its payload begins
+   * @param {number} runs how many runs of 12 models there are
+   */
+  constructor(bytes, begin, runs) {
+    this.bytes = bytes;
+    this.position = begin;
+    this.decisions = 0;
+    this.mostDecisions = 512 * (bytes.length - begin) + 65536;
+    // Of the models: those of the runs, then M (the bits below the first, 32 lengths of 3 a group), then S (signs, 3 contexts a group).
+    this.below = runs * 12;
+    this.signs = this.below + groups * 96;
+    this.probability = new Uint16Array(this.signs + groups * 3).fill(32768);
+    this.learnt = new Uint8Array(this.probability.length);
+    this.weights = new Float64Array(groups * 12 * mostRuns).fill(20000);
+    /** Where the caller puts the runs of the next number. */
+    this.runs = new Int32Array(mostRuns);
+    /** The bit length of the number read last. */
+    this.length = 0;
+    this.stretched = new Float64Array(mostRuns);
+    // Low, high and code. A typed array keeps 32-bit numbers unboxed.
+    this.state = Uint32Array.of(0, 0xffffffff, 0);
+    for (let i = 0; i < 4; ++i) this.state[2] = (this.state[2] << 8) | this.nextByte();
+  }
+
+  /** The next byte; zeros beyond the end, where `check` notices. */
+  nextByte() {
+    const at = this.position++;
+    return at < this.bytes.length ? this.bytes[at] : 0;
+  }
+
+  /** Throws if the stream was read too far. Called once per number, which is often enough to end any loop. */
+  check() {
+    if (this.position > this.bytes.length + 4) throw new NmcError('truncated', 'the stream ends too early');
+    if (this.decisions > this.mostDecisions) throw new NmcError('truncated', 'the stream holds more decisions than its size allows');
+  }
+
+  /** A decision that is 1 with the probability p / 65536. */
+  decide(p) {
+    const state = this.state;
+    let low = state[0];
+    let high = state[1];
+    const range = high - low;
+    const middle = (low + Math.imul(range >>> 16, p) + (Math.imul(range & 65535, p) >>> 16)) >>> 0;
+    const bit = state[2] <= middle ? 1 : 0;
+    if (bit) high = middle;
+    else low = middle + 1;
+    while (((low ^ high) & 0xff000000) === 0) {
+      low = (low << 8) >>> 0;
+      high = ((high << 8) | 255) >>> 0;
+      state[2] = (state[2] << 8) | this.nextByte();
+    }
+    state[0] = low;
+    state[1] = high;
+    ++this.decisions;
+    return bit;
+  }
+
+  /** Lets a model learn a decision. */
+  learn(model, bit, limit) {
+    const p = this.probability[model];
+    const n = this.learnt[model];
+    const rate = rates[n];
+    const next = bit ? p + (Math.imul(65535 - p, rate) >>> 16) : p - (Math.imul(p, rate) >>> 16);
+    this.probability[model] = next < 32 ? 32 : next > 65503 ? 65503 : next;
+    if (n < limit) this.learnt[model] = n + 1;
+  }
+
+  plain(model) {
+    const bit = this.decide(this.probability[model]);
+    this.learn(model, bit, plainLimit);
+    return bit;
+  }
+
+  /** A mixed decision of the first `count` of `runs` at one step, with the weights from `weight` on. Doubles keep these integers exact. */
+  mixed(count, step, weight) {
+    const { runs, stretched, weights, probability } = this;
+    let sum = 0;
+    for (let i = 0; i < count; ++i) {
+      stretched[i] = stretchTable[probability[runs[i] * 12 + step] >> 4];
+      sum += weights[weight + i] * stretched[i];
+    }
+    const x = Math.min(Math.max(Math.floor(sum / 65536), -2047), 2047);
+    const p = Math.min(Math.max(squashTable[x + 2048], 32), 65504);
+    const bit = this.decide(p);
+    const error = ((bit << 16) - p) * 6;
+    for (let i = 0; i < count; ++i) {
+      weights[weight + i] += (stretched[i] * error + 524288) >> 20;
+      this.learn(runs[i] * 12 + step, bit, mixedLimit);
+    }
+    return bit;
+  }
+
+  /** `count` raw bits, at most 32, highest first. */
+  raw(count) {
+    let value = 0;
+    for (let i = 0; i < count; ++i) value = value * 2 + this.decide(32768);
+    return value;
+  }
+
+  /** A number with the first `count` of `runs`. */
+  number(group, count, limit) {
+    let length = 0;
+    while (length < limit) {
+      const step = length < 11 ? length : 11;
+      const larger = count === 1 ? this.plain(this.runs[0] * 12 + step) : this.mixed(count, step, (group * 12 + step) * mostRuns);
+      if (!larger) break;
+      ++length;
+    }
+    this.length = length;
+    if (length < 2) {
+      this.check();
+      return length;
+    }
+    const model = this.below + (group * 32 + length - 1) * 3;
+    let bit = this.plain(model);
+    let value = 2 + bit;
+    if (length > 2) value = value * 2 + this.plain(model + 1 + bit);
+    for (bit = 3; bit < length; ++bit) value = value * 2 + this.decide(32768);
+    this.check();
+    return value;
+  }
+
+  signed(group, count, context) {
+    const value = this.number(group, count, 23);
+    return value !== 0 && this.plain(this.signs + group * 3 + context) ? -value : value;
+  }
+
+  simple(run) {
+    this.runs[0] = run;
+    return this.number(5, 1, 32);
+  }
+
+  simpleSigned(run) {
+    const z = this.simple(run);
+    return z % 2 ? -(z - 1) / 2 - 1 : z / 2;
+  }
+
+  /** 32 raw bits as a finite float. */
+  float() {
+    return this.finite(Uint32Array.of(this.raw(32)), Float32Array);
+  }
+
+  /** 64 raw bits as a finite double. */
+  double() {
+    const high = this.raw(32);
+    return this.finite(BigUint64Array.of((BigInt(high) << 32n) | BigInt(this.raw(32))), Float64Array);
+  }
+
+  finite(bits, Type) {
+    this.check();
+    const value = new Type(bits.buffer)[0];
+    if (!Number.isFinite(value)) throw new NmcError('value', 'the stream holds a number that is not finite');
+    return value;
+  }
+}

@@ -1,0 +1,140 @@
+// The decoder's face: opens a stream and evaluates its clips. No glTF here; extension.js connects targets to nodes.
+import { NmcError } from './error.js';
+import { PATHS, readPayload } from './payload.js';
+import { PoseEvaluator, lastAtOrBefore, prepareClip, slerp } from './pose.js';
+
+const STATIC = 1;
+
+/**
+ * Opens a stream: checks it as a whole and reads all that is in it.
+ * @param {Uint8Array} bytes the stream and nothing else
+ * @returns {ClipSet}
+ * @throws {NmcError} if the stream is broken in any way
+ */
+export function openSet(bytes) {
+  if (!(bytes instanceof Uint8Array)) throw new NmcError('argument', 'openSet needs a Uint8Array');
+  return new ClipSet(readPayload(bytes));
+}
+
+/** The clips of one stream, and what their poses consist of. */
+class ClipSet {
+  constructor(set) {
+    /** Floats of a pose. */
+    this.slots = set.slots;
+    /** Per target: its path, and where its `width` floats stand in a pose. */
+    this.targets = set.targets.map(({ path, slot, width }) => ({ path: PATHS[path], slot, width }));
+    checkReferences(set);
+    const evaluator = new PoseEvaluator(set);
+    /** @type {Clip[]} */
+    this.clips = set.clips.map((clip) => new Clip(this, clip, evaluator));
+  }
+}
+
+/** One animation. Its poses are evaluated, keys are made only when `decode` asks for them. */
+class Clip {
+  #clip;
+  #evaluator;
+  #targets;
+  // The poses of the two samples around the time asked for last, their numbers, and how they are to be mixed.
+  #poses = null;
+  #at = [-1, -1];
+
+  constructor(set, clip, evaluator) {
+    this.#clip = clip;
+    this.#evaluator = evaluator;
+    this.#targets = set.targets;
+    this.slots = set.slots;
+    /** The key times in seconds, strictly increasing. Not to be changed. */
+    this.times = clip.times;
+    /** Per target 0 (not part of this clip), 1 (constant), 2 or 3 (moving). Not to be changed. */
+    this.states = clip.states;
+  }
+
+  /** The time of the last key in seconds. */
+  get end() {
+    return this.times[this.times.length - 1];
+  }
+
+  /**
+   * The pose at a time: between keys as glTF's LINEAR says, before the first and after the last key that key.
+   * @param {number} seconds
+   * @param {Float32Array} out at least `slots` floats, by the targets' slots; targets that the clip does not hold get the set's reference pose
+   * @returns {Float32Array} out
+   */
+  evaluate(seconds, out) {
+    if (out.length < this.slots) throw new NmcError('argument', `a pose of this set needs ${this.slots} floats`);
+    if (Number.isNaN(seconds)) throw new NmcError('argument', 'the time is no number');
+    const { times } = this;
+    const n = lastAtOrBefore(times, times.length, seconds);
+    const next = Math.min(n + 1, times.length - 1);
+    const u = next > n ? Math.min(Math.max((seconds - times[n]) / (times[next] - times[n]), 0), 1) : 0;
+    this.#mix(this.#sample(n, 0), u > 0 ? this.#sample(next, 1) : null, u, out);
+    return out;
+  }
+
+  /**
+   * All keys of the targets that the clip holds. Constant targets have two keys, the first and the last (one if the clip has one sample).
+   * @returns {{target: number, times: Float32Array, values: Float32Array}[]} values: `width` floats a key
+   */
+  decode() {
+    const { times, states } = this;
+    const count = times.length;
+    const ends = count > 1 ? Float32Array.of(times[0], times[count - 1]) : times;
+    const tracks = [];
+    this.#targets.forEach(({ width }, target) => {
+      if (states[target] === 0) return;
+      const own = states[target] === STATIC ? ends : times;
+      tracks.push({ target, times: own, values: new Float32Array(own.length * width) });
+    });
+    const pose = new Float64Array(this.slots);
+    for (let n = 0; n < count; ++n) {
+      this.#evaluator.sample(this.#prepared(), n, pose);
+      for (const { target, times: own, values } of tracks) {
+        const { slot, width } = this.#targets[target];
+        const key = own === times ? n : n === 0 ? 0 : 1;
+        for (let a = 0; a < width; ++a) values[key * width + a] = pose[slot + a];
+      }
+    }
+    return tracks;
+  }
+
+  #prepared() {
+    if (!this.#clip.steps) prepareClip(this.#evaluator.set, this.#clip);
+    return this.#clip;
+  }
+
+  /** The pose of sample n; evaluated anew only if neither of the two kept poses is it. */
+  #sample(n, place) {
+    this.#poses ??= [new Float64Array(this.slots), new Float64Array(this.slots)];
+    if (this.#at[place] === n) return this.#poses[place];
+    if (this.#at[1 - place] === n) {
+      this.#poses.reverse();
+      this.#at.reverse();
+      return this.#poses[place];
+    }
+    this.#evaluator.sample(this.#prepared(), n, this.#poses[place]);
+    this.#at[place] = n;
+    return this.#poses[place];
+  }
+
+  #mix(a, b, u, out) {
+    if (b === null) {
+      for (let i = 0; i < this.slots; ++i) out[i] = a[i];
+      return;
+    }
+    for (const { path, slot, width } of this.#targets) {
+      if (path === 'rotation') slerp(a, b, slot, u, out);
+      else for (let i = slot; i < slot + width; ++i) out[i] = a[i] + (b[i] - a[i]) * u;
+    }
+  }
+}
+
+/** Exact rotations must be unit, nearly (A.5). */
+function checkReferences(set) {
+  if (!set.exactReferences) return;
+  for (const { path, slot } of set.targets) {
+    if (PATHS[path] !== 'rotation') continue;
+    const length = Math.hypot(...set.references.subarray(slot, slot + 4));
+    if (Math.abs(length - 1) > 0.01) throw new NmcError('value', 'a reference rotation is not of unit length');
+  }
+}

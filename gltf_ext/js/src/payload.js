@@ -1,0 +1,472 @@
+// Appendix A.1, A.3 and A.4 of the specification: from the bytes of a stream to the numbers of a clip set. Follows the items in order.
+import { Decisions } from './decisions.js';
+import { NmcError } from './error.js';
+
+export const PATHS = ['translation', 'rotation', 'scale', 'weights'];
+const ROTATION = 1;
+const WEIGHTS = 3;
+const STATIC = 1;
+const QUATERNION = 3;
+export const COSINE = 0;
+export const SINE = 2;
+
+// The tables of runs, each with the item that describes it.
+let runs = 0;
+const table = (size) => (runs += size) - size;
+const COUNT = table(1), TIME = table(1), TIME_ERROR = table(1), CLIP_EXPONENT = table(1), REFERENCE = table(1), ATOM_GAP = table(1),
+  ATOM_PARAMETER = table(1), ATOM_WIDTH = table(1), ATOM_VALUE = table(1), FREQUENCY = table(1), FLAG = table(1), STATE = table(64); // A.2
+const REFERENCE_R = table(40); // A.3.3
+const ANCHOR_A = table(432), ANCHOR_B = table(432), ANCHOR_C = table(512); // A.4.5
+const COUNT_A = table(144), COUNT_B = table(144), COUNT_C = table(512); // A.4.6.1
+const LEVEL_A = table(512), LEVEL_B = table(192), LEVEL_C = table(128), LEVEL_D = table(2048), LEVEL_E = table(512), LEVEL_F = table(256); // A.4.6.2
+const TENSOR_A = table(864), TENSOR_B = table(72); // after the last clip
+
+const crcTable = Int32Array.from({ length: 256 }, (_, byte) => {
+  for (let i = 0; i < 8; ++i) byte = byte & 1 ? (byte >>> 1) ^ 0xedb88320 : byte >>> 1;
+  return byte;
+});
+
+/** CRC-32 as in zlib. */
+export function crc32(bytes) {
+  let crc = -1;
+  for (let i = 0; i < bytes.length; ++i) crc = (crc >>> 8) ^ crcTable[(crc ^ bytes[i]) & 255];
+  return ~crc >>> 0;
+}
+
+function need(condition, message, code = 'value') {
+  if (!condition) throw new NmcError(code, message);
+}
+
+/** A.1. Returns the counts, and where the payload begins. */
+function readHeader(bytes) {
+  need(bytes.length >= 8 && bytes[0] === 78 && bytes[1] === 77 && bytes[2] === 67, 'this is no NMC stream', 'magic');
+  need(bytes[3] === 1, `version ${bytes[3]} of the stream is not known`, 'version');
+  const stored = new DataView(bytes.buffer, bytes.byteOffset).getUint32(4, true);
+  need(crc32(bytes.subarray(8)) === stored, 'the checksum does not match: the stream is damaged', 'checksum');
+  let at = 8;
+  const varint = () => {
+    let value = 0;
+    for (let i = 0; i < 5; ++i) {
+      need(at < bytes.length, 'the stream ends in its header', 'truncated');
+      const byte = bytes[at++];
+      value += (byte & 127) * 2 ** (7 * i);
+      if (byte < 128) {
+        need(value < 2 ** 32, 'a count of the header is too large', 'limit');
+        return value;
+      }
+    }
+    throw new NmcError('limit', 'a count of the header is too long');
+  };
+  const header = { hidden0: 0, hidden1: 0, maxFrequencies: 0 };
+  for (const name of ['slots', 'targets', 'clips', 'samples', 'windows', 'anchors', 'weights', 'atoms', 'maxFeatures', 'dense']) header[name] = varint();
+  if (header.dense > 0) for (const name of ['hidden0', 'hidden1', 'maxFrequencies']) header[name] = varint();
+  header.begin = at;
+  checkLimits(header, 64 * bytes.length + 65536);
+  return header;
+}
+
+function checkLimits(header, most) {
+  const limits = [
+    [header.slots, 65535], [header.targets, header.slots], [header.clips, 65535], [header.samples, 2 ** 27], [header.windows, header.samples],
+    [header.maxFeatures, 65535], [header.maxFrequencies, 65535], [header.hidden0, 4096], [header.hidden1, 4096],
+    [header.windows, most], [header.weights, most], [header.atoms, most], [header.dense, most], [header.samples, 16 * most], [header.anchors, 16 * most],
+    [header.slots * (header.maxFeatures + 1), 64 * most], [header.clips * header.targets, 64 * most], [header.windows * header.targets, 64 * most],
+  ];
+  for (const [value, limit] of limits) need(value <= limit, 'the header asks for more than the limits allow', 'limit');
+}
+
+/**
+ * Reads a whole stream.
+ * @param {Uint8Array} bytes
+ * @returns the set: targets, per slot the steps and references, clips (see readClip), and the network's shared tensors.
+ */
+export function readPayload(bytes) {
+  const header = readHeader(bytes);
+  const reader = new Reader(new Decisions(bytes, header.begin, runs), header);
+  const set = reader.readSet();
+  for (let c = 0; c < header.clips; ++c) reader.readClip(c);
+  reader.readNetwork();
+  reader.checkTotals();
+  return set;
+}
+
+class Reader {
+  constructor(decisions, header) {
+    const { slots, targets, maxFeatures } = header;
+    this.d = decisions;
+    this.header = header;
+    this.used = { samples: 0, windows: 0, anchors: 0, weights: 0, atoms: 0, dense: 0 };
+    this.levels = new Int32Array(header.anchors);
+    this.weights = { parameter: new Uint16Array(header.weights), feature: new Uint16Array(header.weights), value: new Float64Array(header.weights) };
+    this.states = new Uint8Array(targets).fill(4);
+    // What contexts remember of each slot: bit lengths of its last anchor difference, of its last count, and of the levels of its last row.
+    this.was = new Uint8Array(slots);
+    this.counts = new Uint8Array(slots);
+    this.lastCounts = new Uint16Array(slots);
+    this.rowSize = maxFeatures + 2;
+    this.rows = new Uint8Array(slots * this.rowSize);
+    this.row = new Uint8Array(this.rowSize);
+  }
+
+  /** Takes `amount` of one of the header's totals, before anything of that size is made. */
+  take(name, amount) {
+    const first = this.used[name];
+    this.used[name] += amount;
+    need(this.used[name] <= this.header[name], `the stream holds more ${name} than its header says`, 'total');
+    return first;
+  }
+
+  checkTotals() {
+    for (const name of Object.keys(this.used)) need(this.used[name] === this.header[name], `the stream holds fewer ${name} than its header says`, 'total');
+  }
+
+  /** A.3 */
+  readSet() {
+    const { d, header } = this;
+    // A.3.1
+    const exactReferences = d.raw(1) === 1;
+    const hasNetwork = d.raw(1) === 1;
+    this.quantized = d.raw(1) === 1;
+    need(hasNetwork === header.dense > 0, 'header and payload disagree on a network');
+    // A.3.2
+    const baseStep = d.float();
+    const anchorExponent = this.exponent(CLIP_EXPONENT, 0, 255);
+    const set = {
+      slots: header.slots, targets: [], clips: [], weights: this.weights, exactReferences, hasNetwork, hidden0: header.hidden0, hidden1: header.hidden1,
+      slotStep: new Float64Array(header.slots), anchorStep: new Float64Array(header.slots), references: new Float64Array(header.slots),
+    };
+    this.set = set;
+    // A.3.3
+    let slot = 0;
+    let exponent = 0;
+    for (let t = 0; t < header.targets; ++t) {
+      const path = d.simple(STATE + (t === 0 ? 0 : 4 + set.targets[t - 1].path));
+      need(path <= WEIGHTS, 'a target has an unknown path');
+      const width = path === WEIGHTS ? d.simple(COUNT) : path === ROTATION ? 4 : 3;
+      need(width > 0 && slot + width <= header.slots, 'the targets do not fit the slots');
+      set.targets.push({ path, slot, width });
+      for (let a = 0; a < width; ++a, ++slot) {
+        const repeated = path === ROTATION && a === 3;
+        if (!exactReferences && !repeated) exponent = this.exponent(STATE + 16 + 4 * path + Math.min(a, 3), exponent, 127);
+        set.slotStep[slot] = baseStep * 2 ** (-exponent / 2);
+        set.anchorStep[slot] = set.slotStep[slot] * 2 ** (-anchorExponent / 4);
+        if (exactReferences) {
+          set.references[slot] = d.float();
+        } else if (!repeated) {
+          d.runs[0] = REFERENCE_R + 12 * path + Math.min(a, 3);
+          set.references[slot] = d.signed(3, 1, 0);
+        }
+      }
+    }
+    need(slot === header.slots, 'the targets do not fill the slots');
+    return set;
+  }
+
+  exponent(run, before, most) {
+    const exponent = before + this.d.simpleSigned(run);
+    need(Math.abs(exponent) <= most, 'an exponent is out of range');
+    return exponent;
+  }
+
+  /** A.4 */
+  readClip(index) {
+    const { d, set } = this;
+    const clip = { samples: d.simple(COUNT) }; // A.4.1
+    need(clip.samples >= 1, 'a clip has no sample');
+    this.take('samples', clip.samples);
+    this.readTimes(clip, index);
+    this.readWindows(clip);
+    this.readStates(clip);
+    this.readAnchors(clip, index);
+    this.readWeights(clip);
+    this.readAtoms(clip);
+    if (set.hasNetwork) this.readClipNetwork(clip);
+    set.clips.push(clip);
+  }
+
+  /** A.4.2 */
+  readTimes(clip, index) {
+    const { d } = this;
+    if (index === 0 || !this.flag()) {
+      const mode = d.raw(2);
+      const first = mode < 2 ? d.simpleSigned(TIME) : d.float();
+      const step = mode === 0 ? d.simple(TIME) : mode === 2 ? d.double() : d.float();
+      need(mode !== 0 || step > 0, 'a rate is 0');
+      this.formula = { mode, first, step };
+    }
+    const { mode, first, step } = this.formula;
+    const exact = this.flag();
+    const times = new Float32Array(clip.samples);
+    for (let n = 0; n < clip.samples; ++n) {
+      if (mode === 0) times[n] = (first + n) / step;
+      else if (mode === 1) times[n] = Math.fround(first + n) * step;
+      else if (mode === 2) times[n] = first + n * step;
+      else times[n] = n === 0 ? first : times[n - 1] + step;
+      if (!exact) times[n] = fromOrder(toOrder(times[n]) + d.simpleSigned(TIME_ERROR));
+      need(Number.isFinite(times[n]) && (n === 0 || times[n] > times[n - 1]), 'the key times do not increase');
+    }
+    clip.times = times;
+  }
+
+  flag() {
+    return this.d.simple(FLAG) !== 0;
+  }
+
+  /** A.4.3 */
+  readWindows(clip) {
+    const { d } = this;
+    clip.basis = d.simple(STATE + 12);
+    need(clip.basis <= SINE && (clip.basis === COSINE || clip.samples >= 2), 'a clip has an unknown basis, or one that needs more samples');
+    const windows = clip.basis === SINE ? d.simple(COUNT) : 1;
+    need(windows >= 1 && (windows === 1 || windows < clip.samples), 'a clip has a wrong number of windows');
+    this.take('windows', windows);
+    const last = clip.basis === COSINE ? clip.samples : clip.samples - 1;
+    const even = windows > 1 && this.flag();
+    // Where each window begins, and where the last one ends.
+    clip.begins = new Int32Array(windows + 1);
+    for (let k = 1; k < windows; ++k) {
+      const begin = even ? Math.floor((k * (clip.samples - 1)) / windows) : clip.begins[k - 1] + d.simple(COUNT);
+      need(begin > clip.begins[k - 1] && begin < last, 'a window is empty or too long');
+      clip.begins[k] = begin;
+    }
+    clip.begins[windows] = last;
+  }
+
+  /** A.4.4 */
+  readStates(clip) {
+    const { d, states, set } = this;
+    clip.states = new Uint8Array(set.targets.length);
+    /** Per target the first of its parameters; one more entry for the end. */
+    clip.firsts = new Int32Array(set.targets.length + 1);
+    let s = 0;
+    set.targets.forEach(({ path, width }, t) => {
+      s = d.simple(STATE + 40 + 4 * states[t] + s);
+      need(s < QUATERNION || (s === QUATERNION && path === ROTATION), 'a target has an unknown state');
+      states[t] = s;
+      clip.states[t] = s;
+      clip.firsts[t + 1] = clip.firsts[t] + (s === 0 ? 0 : path === ROTATION && s < QUATERNION ? 3 : width);
+    });
+    clip.parameters = clip.firsts[set.targets.length];
+  }
+
+  /** A.4.5 */
+  readAnchors(clip, index) {
+    const { d, set, was, levels } = this;
+    const v = d.simple(REFERENCE);
+    need(v <= index, 'a clip refers to one that is not there');
+    const reference = v < index ? set.clips[index - v - 1] : null;
+    const rows = clip.basis === COSINE ? 1 : clip.begins.length;
+    const first = this.take('anchors', rows * clip.parameters);
+    clip.levels = levels.subarray(first, first + rows * clip.parameters);
+    for (let r = 0; r < rows; ++r) {
+      set.targets.forEach(({ path, slot }, t) => {
+        const state = clip.states[t];
+        const kind = r > 0 ? 2 : state === STATIC ? 0 : 1;
+        for (let p = clip.firsts[t], a = 0; p < clip.firsts[t + 1]; ++p, ++a) {
+          const at = r * clip.parameters + p;
+          const guess = r > 0 ? clip.levels[at - clip.parameters] : state === QUATERNION ? 0 : lastLevel(reference, t, a);
+          if (r > 0 && state === STATIC) {
+            clip.levels[at] = guess;
+            continue;
+          }
+          const n1 = a > 0 ? Math.min(was[slot + a - 1], 11) : 0;
+          const n2 = a > 1 ? Math.min(was[slot + a - 2], 11) : 0;
+          d.runs[0] = ANCHOR_A + ((Math.min(was[slot + a], 11) * 3 + Math.min(a, 2)) * 4 + path) * 3 + kind;
+          d.runs[1] = ANCHOR_B + (n1 * 12 + n2) * 3 + kind;
+          d.runs[2] = ANCHOR_C + ((slot + a) & 511);
+          const level = guess + d.signed(2, 3, kind);
+          need(Math.abs(level) < 2 ** 23, 'an anchor is too large');
+          clip.levels[at] = level;
+          was[slot + a] = d.length;
+        }
+      });
+    }
+  }
+
+  /** A.4.6 */
+  readWeights(clip) {
+    const { header, set } = this;
+    const stepExponent = this.exponent(CLIP_EXPONENT, 0, 255);
+    const windows = clip.begins.length - 1;
+    /** Per window its first weight, one more entry for the end, and its largest feature. */
+    clip.weightFirsts = new Int32Array(windows + 1).fill(this.used.weights);
+    clip.features = new Uint16Array(windows);
+    if (header.maxFeatures === 0) return;
+    for (let k = 0; k < windows; ++k) {
+      const scale = 2 ** (-stepExponent / 4) * Math.sqrt(2 / (clip.begins[k + 1] - clip.begins[k]));
+      const parents = [-1, -1, -1, -1];
+      set.targets.forEach(({ path, slot }, t) => {
+        if (clip.states[t] <= STATIC) return;
+        for (let p = clip.firsts[t], a = 0; p < clip.firsts[t + 1]; ++p, ++a) {
+          const parent = path === WEIGHTS || parents[path] < 0 ? -1 : parents[path] + Math.min(a, 2);
+          const count = this.readCount(path, slot + a, a);
+          this.readRow(count, path, slot + a, a, parent, (j, level) => this.keepWeight(p, j, level * set.slotStep[slot + a] * scale));
+          clip.features[k] = Math.max(clip.features[k], count);
+        }
+        parents[path] = slot;
+      });
+      clip.weightFirsts[k + 1] = this.used.weights;
+    }
+  }
+
+  /** A.4.6.1 */
+  readCount(path, slot, a) {
+    const { d, counts } = this;
+    const one = a > 0 ? Math.min(counts[slot - 1], 11) : 11;
+    const two = a > 1 ? Math.min(counts[slot - 2], 11) : 11;
+    d.runs[0] = COUNT_A + Math.min(counts[slot], 11) * 12 + one;
+    d.runs[1] = COUNT_B + (two * 3 + Math.min(a, 2)) * 4 + path;
+    d.runs[2] = COUNT_C + (slot & 511);
+    const count = d.number(1, 3, 17);
+    need(count <= this.header.maxFeatures, 'a row has more features than the header says');
+    counts[slot] = d.length;
+    return count;
+  }
+
+  /** A.4.6.2. Keeps the levels that are not 0, and all bit lengths as the slot's last row. */
+  readRow(count, path, slot, a, parent, keep) {
+    const { d, row, rows, rowSize } = this;
+    let one = 0;
+    let two = 0;
+    for (let j = 1; j <= count; ++j) {
+      const band = bandOf(j);
+      const n1 = a > 0 ? squeezeMore(this.past(slot - 1, j)) : 0;
+      const n2 = a > 1 ? squeezeMore(this.past(slot - 2, j)) : 0;
+      const above = parent < 0 ? 0 : squeezeMore(this.past(parent, j));
+      d.runs[0] = LEVEL_A + (Math.min(one, 7) * 8 + Math.min(two, 7)) * 8 + band;
+      d.runs[1] = LEVEL_B + (n1 * 8 + n2) * 3 + Math.min(a, 2);
+      d.runs[2] = LEVEL_C + this.past(slot, j) * 8 + band;
+      d.runs[3] = LEVEL_D + (slot & 511) * 4 + (band >> 1);
+      d.runs[4] = LEVEL_E + (above * 8 + Math.min(count - j, 7)) * 8 + Math.min(one + two, 7);
+      d.runs[5] = LEVEL_F + Math.min(j, 63) * 4 + path;
+      const level = d.signed(0, 6, 0);
+      if (level !== 0) keep(j, level);
+      two = one;
+      one = d.length;
+      row[j] = one;
+    }
+    need(count === 0 || one > 0, 'the last level of a row is 0');
+    const end = Math.max(count, this.lastCounts[slot]);
+    for (let j = 1; j <= end; ++j) rows[slot * rowSize + j] = j <= count ? row[j] : 0;
+    this.lastCounts[slot] = count;
+  }
+
+  /** The squeezed surroundings of feature j in a slot's last row. */
+  past(slot, j) {
+    const at = slot * this.rowSize + j;
+    const around = this.rows[at - 1] + 2 * this.rows[at] + this.rows[at + 1];
+    return around < 8 ? around : Math.min(8 + ((around - 8) >> 2), 15);
+  }
+
+  keepWeight(parameter, feature, value) {
+    const at = this.take('weights', 1);
+    this.weights.parameter[at] = parameter;
+    this.weights.feature[at] = feature;
+    this.weights.value[at] = value;
+  }
+
+  /** A.4.7 */
+  readAtoms(clip) {
+    const { d } = this;
+    const count = d.simple(REFERENCE);
+    this.take('atoms', count);
+    clip.atoms = { sample: new Int32Array(count), parameter: new Uint16Array(count), width: new Uint16Array(count), level: new Float64Array(count) };
+    let sample = 0;
+    for (let i = 0; i < count; ++i) {
+      sample += d.simple(ATOM_GAP);
+      const parameter = d.simple(ATOM_PARAMETER);
+      const width = d.simple(ATOM_WIDTH);
+      need(sample < clip.samples && parameter < clip.parameters && width <= 15, 'an atom is out of range');
+      clip.atoms.sample[i] = sample;
+      clip.atoms.parameter[i] = parameter;
+      clip.atoms.width[i] = 2 ** width;
+      clip.atoms.level[i] = d.simpleSigned(ATOM_VALUE);
+    }
+  }
+
+  /** A.4.8 */
+  readClipNetwork(clip) {
+    const { d, header } = this;
+    const count = d.simple(COUNT);
+    need(count <= header.maxFrequencies, 'a clip has more frequencies than the header says');
+    this.take('dense', count);
+    clip.frequencies = new Float64Array(count);
+    for (let k = 0; k < count; ++k) clip.frequencies[k] = d.simple(FREQUENCY);
+    need(clip.frequencies.every((frequency) => frequency <= 65535), 'a frequency is too high');
+    clip.W0 = this.readTensor(header.hidden0, 2 * count + 1, 0);
+    clip.b0 = this.readTensor(header.hidden0, 1, 1);
+  }
+
+  /** The end of A.4: what follows the last clip. */
+  readNetwork() {
+    const { d, header, set } = this;
+    if (!set.hasNetwork) return;
+    const outputs = d.simple(COUNT);
+    for (const clip of set.clips) need(outputs === movingParameters(clip), 'a clip does not fit the outputs of the network');
+    set.W1 = this.readTensor(header.hidden1, header.hidden0, 2);
+    set.b1 = this.readTensor(header.hidden1, 1, 3);
+    set.W2 = this.readTensor(outputs, header.hidden1, 4);
+    set.b2 = this.readTensor(outputs, 1, 5);
+    set.outputs = outputs;
+  }
+
+  /** A tensor, column by column. */
+  readTensor(rows, columns, kind) {
+    const { d } = this;
+    this.take('dense', rows * columns + (this.quantized ? 1 : 0));
+    const values = new Float64Array(rows * columns);
+    if (!this.quantized) {
+      for (let i = 0; i < values.length; ++i) values[i] = d.float();
+      return values;
+    }
+    const step = d.float();
+    const left = new Uint8Array(rows);
+    for (let i = 0; i < values.length; ++i) {
+      const r = i % rows;
+      const u = r > 0 ? left[r - 1] : 0;
+      const l = left[r];
+      d.runs[0] = TENSOR_A + (Math.min(u, 11) * 12 + Math.min(l, 11)) * 6 + kind;
+      d.runs[1] = TENSOR_B + Math.min((u + l) >> 1, 11) * 6 + kind;
+      values[i] = d.signed(4, 2, 0) * step;
+      left[r] = d.length;
+    }
+    return values;
+  }
+}
+
+function bandOf(j) {
+  if (j <= 4) return j - 1;
+  return j < 6 ? 3 : j < 10 ? 4 : j < 18 ? 5 : j < 40 ? 6 : 7;
+}
+
+function squeezeMore(v) {
+  if (v < 5) return v;
+  return v < 8 ? 5 : v < 11 ? 6 : 7;
+}
+
+/** The last anchor of a parameter in another clip; 0 where that clip lacks it. */
+function lastLevel(clip, target, a) {
+  if (clip === null || clip.states[target] === 0 || clip.states[target] === QUATERNION) return 0;
+  return clip.levels[clip.levels.length - clip.parameters + clip.firsts[target] + a];
+}
+
+function movingParameters(clip) {
+  let count = 0;
+  clip.states.forEach((state, t) => (count += state > STATIC ? clip.firsts[t + 1] - clip.firsts[t] : 0));
+  return count;
+}
+
+const bits = new Uint32Array(1);
+const float = new Float32Array(bits.buffer);
+
+/** A float's place in the order of all floats (A.4.2). */
+function toOrder(value) {
+  float[0] = value;
+  return bits[0] < 0x80000000 ? bits[0] : -(bits[0] - 0x80000000);
+}
+
+function fromOrder(order) {
+  if (Math.abs(order) >= 0x7f800000) return NaN;
+  bits[0] = order < 0 ? 0x80000000 - order : order;
+  return float[0];
+}
