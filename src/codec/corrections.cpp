@@ -10,9 +10,13 @@ namespace {
 constexpr int widest = 6;  ///< half-widths of up to 2^6 samples
 constexpr double pi = 3.14159265358979323846;
 
+using Row = Eigen::Array<float, 1, Eigen::Dynamic>;
+
 struct Candidate {
   LevelAtom atom;
-  double gain = 0;  ///< fall of the excess per bit
+  double gain = 0;        ///< fall of the excess per bit
+  Effect effect;          ///< of one unit of the atom's parameter
+  Eigen::Index from = 0;  ///< the effect's first sample
 };
 
 class Corrector {
@@ -26,12 +30,15 @@ class Corrector {
         wanted_(wanted),
         bound_(bound),
         samples_(layout.values.cols()),
-        moving_(static_cast<Eigen::Index>(layout.moving.size())) {}
+        moving_(static_cast<Eigen::Index>(layout.moving.size())),
+        worst_square_(samples_),
+        worst_point_of_(static_cast<std::size_t>(samples_)) {}
 
   bool run(std::size_t most_atoms) {
     for (int round = 0; round < 8; ++round) {
       const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
       error_ = map_.positions(now) - wanted_;
+      measure(0, samples_);
       if (largest().second <= bound_) return true;
       map_.linearise(0.5 * (now + layout_.values));
       // Linear predictions are off by a little: aim lower each time.
@@ -45,67 +52,32 @@ class Corrector {
   }
 
  private:
-  double square_error(Eigen::Index row, Eigen::Index n) const {
-    const Eigen::Index points = map_.point_count();
-    if (row < points) return error_.col(n).segment(3 * row, 3).matrix().squaredNorm();
-    const double e = error_(2 * points + row, n);
-    return e * e;
-  }
-
   Eigen::Index point_rows() const { return map_.error_rows() - 2 * map_.point_count(); }
 
-  std::pair<Eigen::Index, double> largest() {
-    worst_point_ = 0;
-    double most = -1;
-    Eigen::Index at = 0;
+  /// Finds the largest error of each of some samples anew.
+  void measure(Eigen::Index from, Eigen::Index count) {
     const Eigen::Index points = map_.point_count();
-    Eigen::Array<float, 1, Eigen::Dynamic> square(samples_);
+    auto most = worst_square_.segment(from, count);
+    most.setConstant(-1.0f);
+    Eigen::Array<float, 1, Eigen::Dynamic> square(count);
     for (Eigen::Index q = 0; q < point_rows(); ++q) {
       if (q < points)
-        square = error_.middleRows(3 * q, 3).square().colwise().sum();
+        square = error_.middleRows(3 * q, 3).middleCols(from, count).square().colwise().sum();
       else
-        square = error_.row(2 * points + q).square();
-      Eigen::Index n = 0;
-      const double value = square.maxCoeff(&n);
-      if (!(value <= most)) {
-        most = value;
-        at = n;
-        worst_point_ = q;
+        square = error_.row(2 * points + q).segment(from, count).square();
+      for (Eigen::Index n = 0; n < count; ++n) {
+        if (square(n) <= most(n)) continue;
+        most(n) = square(n);
+        worst_point_of_[static_cast<std::size_t>(from + n)] = q;
       }
     }
+  }
+
+  std::pair<Eigen::Index, double> largest() {
+    Eigen::Index at = 0;
+    const double most = worst_square_.maxCoeff(&at);
+    worst_point_ = worst_point_of_[static_cast<std::size_t>(at)];
     return {at, std::sqrt(most)};
-  }
-
-  /// A smooth stand-in for the largest error at one sample after adding amount * effect: the sum of eighth powers, in
-  /// units of the aim, over `rows` (points, then morph targets) alone.
-  double excess(const std::vector<Eigen::Index>& rows, const Rows& effect, Eigen::Index column, Eigen::Index n,
-                float amount) const {
-    const Eigen::Index points = map_.point_count();
-    const float unit = static_cast<float>(1 / (aim_ * aim_));
-    float sum = 0;
-    for (const Eigen::Index q : rows) {
-      float square = 0;
-      const Eigen::Index first = q < points ? 3 * q : 2 * points + q, count = q < points ? 3 : 1;
-      for (Eigen::Index a = first; a < first + count; ++a) {
-        const float e = error_(a, n) + amount * effect(a, column);
-        square += e * e;
-      }
-      square *= unit;
-      square *= square;
-      sum += square * square;
-    }
-    return sum;
-  }
-
-  /// The points that an effect moves at all, at one sample.
-  std::vector<Eigen::Index> moved(const Rows& effect, Eigen::Index column) const {
-    const Eigen::Index points = map_.point_count();
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index q = 0; q < point_rows(); ++q) {
-      const Eigen::Index first = q < points ? 3 * q : 2 * points + q, count = q < points ? 3 : 1;
-      if (effect.col(column).segment(first, count).abs().maxCoeff() > 0) rows.push_back(q);
-    }
-    return rows;
   }
 
   static double window(Eigen::Index away, int width) {
@@ -134,14 +106,13 @@ class Corrector {
   Eigen::Index parameter(Eigen::Index moving) const { return layout_.moving[static_cast<std::size_t>(moving)]; }
   double step_of(Eigen::Index moving) const { return steps_.anchor(parameter(moving)); }
 
-  /// The level that takes most of the worst point's error away at sample n, and the smaller one that brings it to the
-  /// aim.
-  std::vector<std::int32_t> levels_for(const Rows& effect, Eigen::Index column, Eigen::Index n, double step) const {
+  /// Levels worth trying for a parameter whose unit moves the worst point by `pull` at sample n: the one that takes
+  /// most of its error away, and smaller ones.
+  std::vector<std::int32_t> levels_for(const Eigen::Array3f& pull, Eigen::Index n, double step) const {
     const Eigen::Index points = map_.point_count();
     double ee = 0, ej = 0, jj = 0;
     for (Eigen::Index a = 0; a < (worst_point_ < points ? 3 : 1); ++a) {
-      const Eigen::Index r = worst_point_ < points ? 3 * worst_point_ + a : 2 * points + worst_point_;
-      const double e = error_(r, n), j = effect(r, column);
+      const double e = error_(worst_point_ < points ? 3 * worst_point_ + a : 2 * points + worst_point_, n), j = pull(a);
       ee += e * e;
       ej += e * j;
       jj += j * j;
@@ -151,9 +122,9 @@ class Corrector {
     std::vector<std::int32_t> levels;
     const auto add = [&](double amount) {
       const double exact = amount / step;
+      if (!(std::abs(exact) < 1e6)) return;
       const auto level = static_cast<std::int32_t>(exact < 0 ? std::floor(exact) : std::ceil(exact));
-      if (level != 0 && std::abs(exact) < 1e6 && std::find(levels.begin(), levels.end(), level) == levels.end())
-        levels.push_back(level);
+      if (level != 0 && std::find(levels.begin(), levels.end(), level) == levels.end()) levels.push_back(level);
     };
     const double inside = ej * ej - jj * (ee - aim_ * aim_ * 0.98);
     if (inside > 0) add((-ej + (ej < 0 ? -1.0 : 1.0) * std::sqrt(inside)) / jj);
@@ -162,54 +133,65 @@ class Corrector {
     return levels;
   }
 
-  bool try_parameter(Eigen::Index moving, Eigen::Index n, std::optional<Candidate>& best, Rows& best_effect,
-                     Eigen::Index& best_from) {
+  /// A smooth stand-in for the largest error over `samples` samples after adding shares * effect: per sample the sum of
+  /// eighth powers, in units of the aim, over the effect's points alone.
+  void excess(const Effect& effect, Eigen::Index from, Eigen::Index first, const Row& shares, Row& sum) const {
+    const Eigen::Index points = map_.point_count(), count = shares.size();
+    const auto unit = static_cast<float>(1 / (aim_ * aim_));
+    sum.setZero(count);
+    Row square(count);
+    for (std::size_t k = 0; k < effect.points.size(); ++k) {
+      const Eigen::Index q = effect.points[k], e = q < points ? 3 * q : 2 * points + q;
+      square.setZero();
+      for (Eigen::Index a = 0; a < (q < points ? 3 : 1); ++a)
+        square += (error_.row(e + a).segment(first, count) +
+                   shares * effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - from, count))
+                      .square();
+      square *= unit;
+      sum += square.square().square();
+    }
+  }
+
+  void try_parameter(Eigen::Index moving, Eigen::Index n, std::optional<Candidate>& best) {
     const Eigen::Index reach = (Eigen::Index{1} << widest) - 1;
     const Eigen::Index from = std::max<Eigen::Index>(0, n - reach), end = std::min(samples_, n + reach + 1);
-    Rows delta = Rows::Zero(moving_, end - from), effect;
-    delta.row(moving).setOnes();
-    map_.errors(delta, effect, from);
+    const Effect effect = map_.effect(moving, from, end - from);
+    const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point_) - effect.points.begin();
+    if (at == std::ssize(effect.points)) return;
     const double step = step_of(moving);
-    const std::vector<Eigen::Index> rows = moved(effect, n - from);
-    std::vector<double> before(static_cast<std::size_t>(end - from));
-    for (Eigen::Index m = from; m < end; ++m)
-      before[static_cast<std::size_t>(m - from)] = excess(rows, effect, m - from, m, 0);
+    Row before, after;
+    excess(effect, from, from, Row::Zero(end - from), before);
     bool found = false;
-    for (const std::int32_t level : levels_for(effect, n - from, n, step)) {
+    for (const std::int32_t level : levels_for(effect.values.col(n - from).segment<3>(3 * at), n, step)) {
       for (int width = 0; width <= widest; ++width) {
-        double fall = 0;
         const Eigen::Index half = (Eigen::Index{1} << width) - 1;
-        for (Eigen::Index m = std::max(from, n - half); m < std::min(end, n + half + 1); ++m)
-          fall += before[static_cast<std::size_t>(m - from)] -
-                  excess(rows, effect, m - from, m, static_cast<float>(level * step * window(std::abs(m - n), width)));
+        const Eigen::Index first = std::max(from, n - half), last = std::min(end, n + half + 1);
+        Row shares(last - first);
+        for (Eigen::Index m = first; m < last; ++m)
+          shares(m - first) = static_cast<float>(level * step * window(std::abs(m - n), width));
+        excess(effect, from, first, shares, after);
+        const double fall = static_cast<double>((before.segment(first - from, last - first) - after).sum());
         const double gain = fall / (18 + 2 * std::log2(std::abs(level) + 1));
         if (gain > 0 && (!best || gain > best->gain)) {
-          best = Candidate{{static_cast<std::uint32_t>(n), static_cast<int>(parameter(moving)), width, level}, gain};
-          best_effect = effect;
-          best_from = from;
+          best = Candidate{
+              {static_cast<std::uint32_t>(n), static_cast<int>(parameter(moving)), width, level}, gain, {}, from};
           found = true;
         }
       }
     }
-    return found;
+    if (found) best->effect = effect;
   }
 
   bool add_atom() {
     const Eigen::Index n = largest().first;
     std::optional<Candidate> best;
-    Rows effect;
-    Eigen::Index from = 0;
     for (const std::size_t most : {std::size_t{4}, std::size_t{24}}) {
-      for (const Eigen::Index moving : promising(n, most)) try_parameter(moving, n, best, effect, from);
+      for (const Eigen::Index moving : promising(n, most)) try_parameter(moving, n, best);
       if (best) break;
     }
     if (!best) return rewrite_sample(n);
     const LevelAtom& atom = best->atom;
-    const double step = steps_.anchor(atom.parameter);
-    for (Eigen::Index m = 0; m < effect.cols(); ++m) {
-      const double share = window(std::abs(from + m - static_cast<Eigen::Index>(atom.sample)), atom.width);
-      if (share > 0) error_.col(from + m) += static_cast<float>(atom.level * step * share) * effect.col(m);
-    }
+    apply(*best);
     // A second atom at the same place is added to the first.
     for (LevelAtom& other : clip_.atoms)
       if (other.sample == atom.sample && other.parameter == atom.parameter && other.width == atom.width) {
@@ -218,6 +200,25 @@ class Corrector {
       }
     clip_.atoms.push_back(atom);
     return true;
+  }
+
+  void apply(const Candidate& candidate) {
+    const LevelAtom& atom = candidate.atom;
+    const double step = steps_.anchor(atom.parameter);
+    const auto n = static_cast<Eigen::Index>(atom.sample), half = (Eigen::Index{1} << atom.width) - 1;
+    const Eigen::Index first = std::max<Eigen::Index>(0, n - half), count = std::min(samples_, n + half + 1) - first;
+    const Eigen::Index points = map_.point_count();
+    Row shares(count);
+    for (Eigen::Index m = 0; m < count; ++m)
+      shares(m) = static_cast<float>(atom.level * step * window(std::abs(first + m - n), atom.width));
+    for (std::size_t k = 0; k < candidate.effect.points.size(); ++k) {
+      const Eigen::Index q = candidate.effect.points[k], e = q < points ? 3 * q : 2 * points + q;
+      for (Eigen::Index a = 0; a < (q < points ? 3 : 1); ++a)
+        error_.row(e + a).segment(first, count) +=
+            shares *
+            candidate.effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - candidate.from, count);
+    }
+    measure(first, count);
   }
 
   /// Where no single step helps: every parameter of the sample is brought to its true value.
@@ -236,6 +237,7 @@ class Corrector {
     if (!changed) return false;
     map_.errors(delta, effect, n);
     error_.col(n) += effect.col(0);
+    measure(n, 1);
     return true;
   }
 
@@ -253,6 +255,8 @@ class Corrector {
   double bound_, aim_ = 0;
   Eigen::Index samples_, moving_;
   Eigen::Index worst_point_ = 0;
+  Row worst_square_;                          ///< per sample: the largest squared error
+  std::vector<Eigen::Index> worst_point_of_;  ///< per sample
   Rows error_;
 };
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "base/parallel.h"
 
 namespace nmc::codec {
 namespace {
@@ -163,7 +166,7 @@ void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, 
   if (mover.rotation.width == 3) {
     const glm::dmat3 map = turn * right_jacobian({at(0), at(1), at(2)});
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) rows_(mover.rotation.row + 3 * b + a, n) = static_cast<float>(map[b][a]);
+      for (int b = 0; b < 3; ++b) entry(mover.rotation.row + 3 * b + a, n) = static_cast<float>(map[b][a]);
     return;
   }
   const double x = at(0), y = at(1), z = at(2), w = at(3);
@@ -172,13 +175,13 @@ void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, 
       {f * w, f * -z, f * y}, {f * z, f * w, f * -x}, {f * -y, f * x, f * w}, {f * -x, f * -y, f * -z}};
   for (int b = 0; b < 4; ++b) {
     const glm::dvec3 column = turn * body[b];
-    for (int a = 0; a < 3; ++a) rows_(mover.rotation.row + 3 * b + a, n) = static_cast<float>(column[a]);
+    for (int a = 0; a < 3; ++a) entry(mover.rotation.row + 3 * b + a, n) = static_cast<float>(column[a]);
   }
 }
 
 void MotionMap::linearise(const Eigen::MatrixXd& values) {
   samples_ = values.cols();
-  rows_.resize(row_count_, samples_);
+  rows_.setZero(lanes, row_count_ * block_count());
   std::vector<glm::dmat4> world_of(movers_.size());
   for (Eigen::Index n = 0; n < samples_; ++n) {
     world(values, n, world_of);
@@ -189,7 +192,7 @@ void MotionMap::linearise(const Eigen::MatrixXd& values) {
       const glm::dvec3 origin(world_of[i][3]);
       const glm::dvec3 from =
           mover.parent < 0 ? glm::dvec3(0.0) : glm::dvec3(world_of[static_cast<std::size_t>(mover.parent)][3]);
-      for (int a = 0; a < 3; ++a) rows_(mover.offset_row + a, n) = static_cast<float>(origin[a] - from[a]);
+      for (int a = 0; a < 3; ++a) entry(mover.offset_row + a, n) = static_cast<float>(origin[a] - from[a]);
       const glm::dmat3 linear(over);
       const double size = std::cbrt(glm::determinant(linear));
       // A mirroring parent turns the other way round: the signed cube root of the determinant takes care of it.
@@ -197,16 +200,16 @@ void MotionMap::linearise(const Eigen::MatrixXd& values) {
       if (mover.rotation.free >= 0) linearise_rotation(mover, turn, values, n);
       if (mover.translation.free >= 0)
         for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) rows_(mover.translation.row + 3 * b + a, n) = static_cast<float>(linear[b][a]);
+          for (int b = 0; b < 3; ++b) entry(mover.translation.row + 3 * b + a, n) = static_cast<float>(linear[b][a]);
       if (mover.scale.free >= 0) {
         const glm::dmat3 axes =
             turn * glm::mat3_cast(mover.rotation.free >= 0 ? rotation(mover, values, n)
                                                            : rest_[static_cast<std::size_t>(mover.node)].rotation);
         for (int b = 0; b < 3; ++b) {
-          for (int a = 0; a < 3; ++a) rows_(mover.scale.row + 3 * b + a, n) = static_cast<float>(axes[b][a]);
+          for (int a = 0; a < 3; ++a) entry(mover.scale.row + 3 * b + a, n) = static_cast<float>(axes[b][a]);
           const double s = frame_->value_reference[mover.scale.target][static_cast<std::size_t>(b)] +
                            row_value(values, mover.scale.value, b, n);
-          rows_(mover.scale.row + 9 + b, n) =
+          entry(mover.scale.row + 9 + b, n) =
               static_cast<float>(1.0 / (s < 0 ? std::min(s, -1e-3) : std::max(s, 1e-3)));
         }
       }
@@ -215,64 +218,154 @@ void MotionMap::linearise(const Eigen::MatrixXd& values) {
       if (share.mover < 0) continue;
       const glm::dmat4& m = world_of[static_cast<std::size_t>(share.mover)];
       const glm::dvec3 arm = glm::dvec3(m * share.offset) - share.offset.w * glm::dvec3(m[3]);
-      for (int a = 0; a < 3; ++a) rows_(share.row + a, n) = static_cast<float>(arm[a]);
+      for (int a = 0; a < 3; ++a) entry(share.row + a, n) = static_cast<float>(arm[a]);
     }
   }
 }
 
-void MotionMap::errors(const Rows& delta, Rows& error, Eigen::Index from) const {
-  const Eigen::Index width =
-      stretches_ ? 15 : 6;  // per mover: origin's velocity, turning, and for stretches a full matrix
-  const Eigen::Index count = delta.cols();
-  Rows state(width * static_cast<Eigen::Index>(movers_.size()), count);
-  const auto row = [&](Eigen::Index r) { return rows_.row(r).segment(from, count); };
-  for (std::size_t i = 0; i < movers_.size(); ++i) {
-    const Mover& mover = movers_[i];
-    const Eigen::Index s = width * static_cast<Eigen::Index>(i);
-    if (mover.parent < 0) {
-      state.middleRows(s, width).setZero();
-    } else {
-      const Eigen::Index p = width * mover.parent;
-      const Eigen::Index r = mover.offset_row;
-      state.row(s + 0) = state.row(p + 0) + state.row(p + 4) * row(r + 2) - state.row(p + 5) * row(r + 1);
-      state.row(s + 1) = state.row(p + 1) + state.row(p + 5) * row(r + 0) - state.row(p + 3) * row(r + 2);
-      state.row(s + 2) = state.row(p + 2) + state.row(p + 3) * row(r + 1) - state.row(p + 4) * row(r + 0);
-      state.middleRows(s + 3, 3) = state.middleRows(p + 3, 3);
-      if (stretches_) {
-        for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) state.row(s + a) += state.row(p + 6 + 3 * b + a) * row(r + b);
-        state.middleRows(s + 6, 9) = state.middleRows(p + 6, 9);
-      }
+/// What a mover's own parameters and its parent's motion make of its origin's velocity (3 numbers), its turning (3) and
+/// its stretching (9).
+void MotionMap::move(std::size_t i, Eigen::Index block, const LaneRows& delta, LaneRows& state) const {
+  const Mover& mover = movers_[i];
+  const Eigen::Index width = state_width(), s = width * static_cast<Eigen::Index>(i);
+  const auto at = [&](Eigen::Index r) { return row(block, r); };
+  if (mover.parent < 0) {
+    state.middleCols(s, width).setZero();
+  } else {
+    const Eigen::Index p = width * mover.parent, r = mover.offset_row;
+    state.col(s + 0) = state.col(p + 0) + state.col(p + 4) * at(r + 2) - state.col(p + 5) * at(r + 1);
+    state.col(s + 1) = state.col(p + 1) + state.col(p + 5) * at(r + 0) - state.col(p + 3) * at(r + 2);
+    state.col(s + 2) = state.col(p + 2) + state.col(p + 3) * at(r + 1) - state.col(p + 4) * at(r + 0);
+    state.middleCols(s + 3, 3) = state.middleCols(p + 3, 3);
+    if (stretches_) {
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) state.col(s + a) += state.col(p + 6 + 3 * b + a) * at(r + b);
+      state.middleCols(s + 6, 9) = state.middleCols(p + 6, 9);
     }
+  }
+  if (mover.translation.free >= 0)
+    for (int b = 0; b < 3; ++b)
+      for (int a = 0; a < 3; ++a)
+        state.col(s + a) += at(mover.translation.row + 3 * b + a) * delta.col(mover.translation.free + b);
+  if (mover.rotation.free >= 0)
+    for (int b = 0; b < mover.rotation.width; ++b)
+      for (int a = 0; a < 3; ++a)
+        state.col(s + 3 + a) += at(mover.rotation.row + 3 * b + a) * delta.col(mover.rotation.free + b);
+  if (mover.scale.free >= 0)
+    for (int k = 0; k < 3; ++k)
+      for (int b = 0; b < 3; ++b)
+        for (int a = 0; a < 3; ++a)
+          state.col(s + 6 + 3 * b + a) += delta.col(mover.scale.free + k) * at(mover.scale.row + 9 + k) *
+                                          at(mover.scale.row + 3 * k + a) * at(mover.scale.row + 3 * k + b);
+}
+
+void MotionMap::point_error(Eigen::Index point, Eigen::Index block, const LaneRows& state, LaneRows& error) const {
+  const auto at = [&](Eigen::Index r) { return row(block, r); };
+  error.leftCols(3).setZero();
+  for (std::size_t k = first_[static_cast<std::size_t>(point)]; k < first_[static_cast<std::size_t>(point) + 1]; ++k) {
+    const Share& share = shares_[k];
+    if (share.mover < 0) continue;
+    const Eigen::Index s = state_width() * share.mover, c = share.row;
+    const auto w = static_cast<float>(share.offset.w);
+    error.col(0) += w * state.col(s + 0) + state.col(s + 4) * at(c + 2) - state.col(s + 5) * at(c + 1);
+    error.col(1) += w * state.col(s + 1) + state.col(s + 5) * at(c + 0) - state.col(s + 3) * at(c + 2);
+    error.col(2) += w * state.col(s + 2) + state.col(s + 3) * at(c + 1) - state.col(s + 4) * at(c + 0);
+    if (stretches_)
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) error.col(a) += state.col(s + 6 + 3 * b + a) * at(c + b);
+  }
+}
+
+/// The transpose of point_error.
+void MotionMap::pull(Eigen::Index point, Eigen::Index block, const LaneRows& weight, LaneRows& state) const {
+  const auto at = [&](Eigen::Index r) { return row(block, r); };
+  for (std::size_t k = first_[static_cast<std::size_t>(point)]; k < first_[static_cast<std::size_t>(point) + 1]; ++k) {
+    const Share& share = shares_[k];
+    if (share.mover < 0) continue;
+    const Eigen::Index s = state_width() * share.mover, c = share.row;
+    const auto w = static_cast<float>(share.offset.w);
+    for (int a = 0; a < 3; ++a) state.col(s + a) += w * weight.col(a);
+    state.col(s + 3) += at(c + 1) * weight.col(2) - at(c + 2) * weight.col(1);
+    state.col(s + 4) += at(c + 2) * weight.col(0) - at(c + 0) * weight.col(2);
+    state.col(s + 5) += at(c + 0) * weight.col(1) - at(c + 1) * weight.col(0);
+    if (stretches_)
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) state.col(s + 6 + 3 * b + a) += weight.col(a) * at(c + b);
+  }
+}
+
+/// The transpose of move over all movers: what pulls at them becomes a gradient of their parameters.
+void MotionMap::settle(Eigen::Index block, LaneRows& state, LaneRows& gradient) const {
+  const auto at = [&](Eigen::Index r) { return row(block, r); };
+  for (std::size_t i = movers_.size(); i-- > 0;) {
+    const Mover& mover = movers_[i];
+    const Eigen::Index s = state_width() * static_cast<Eigen::Index>(i);
     if (mover.translation.free >= 0)
       for (int b = 0; b < 3; ++b)
         for (int a = 0; a < 3; ++a)
-          state.row(s + a) += row(mover.translation.row + 3 * b + a) * delta.row(mover.translation.free + b);
+          gradient.col(mover.translation.free + b) += at(mover.translation.row + 3 * b + a) * state.col(s + a);
     if (mover.rotation.free >= 0)
       for (int b = 0; b < mover.rotation.width; ++b)
         for (int a = 0; a < 3; ++a)
-          state.row(s + 3 + a) += row(mover.rotation.row + 3 * b + a) * delta.row(mover.rotation.free + b);
+          gradient.col(mover.rotation.free + b) += at(mover.rotation.row + 3 * b + a) * state.col(s + 3 + a);
     if (mover.scale.free >= 0)
       for (int k = 0; k < 3; ++k)
         for (int b = 0; b < 3; ++b)
           for (int a = 0; a < 3; ++a)
-            state.row(s + 6 + 3 * b + a) += delta.row(mover.scale.free + k) * row(mover.scale.row + 9 + k) *
-                                            row(mover.scale.row + 3 * k + a) * row(mover.scale.row + 3 * k + b);
+            gradient.col(mover.scale.free + k) += state.col(s + 6 + 3 * b + a) * at(mover.scale.row + 9 + k) *
+                                                  at(mover.scale.row + 3 * k + a) * at(mover.scale.row + 3 * k + b);
+    if (mover.parent < 0) continue;
+    const Eigen::Index p = state_width() * mover.parent, r = mover.offset_row;
+    state.middleCols(p, 6) += state.middleCols(s, 6);
+    state.col(p + 3) += at(r + 1) * state.col(s + 2) - at(r + 2) * state.col(s + 1);
+    state.col(p + 4) += at(r + 2) * state.col(s + 0) - at(r + 0) * state.col(s + 2);
+    state.col(p + 5) += at(r + 0) * state.col(s + 1) - at(r + 1) * state.col(s + 0);
+    if (stretches_) {
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) state.col(p + 6 + 3 * b + a) += state.col(s + a) * at(r + b);
+      state.middleCols(p + 6, 9) += state.middleCols(s + 6, 9);
+    }
   }
-  error.resize(error_rows(), count);
-  for (Eigen::Index i = 0; i < point_count(); ++i) {
-    error.middleRows(3 * i, 3).setZero();
-    for (std::size_t k = first_[static_cast<std::size_t>(i)]; k < first_[static_cast<std::size_t>(i) + 1]; ++k) {
-      const Share& share = shares_[k];
-      if (share.mover < 0) continue;
-      const Eigen::Index s = width * share.mover, c = share.row;
-      const float w = static_cast<float>(share.offset.w);
-      error.row(3 * i + 0) += w * state.row(s + 0) + state.row(s + 4) * row(c + 2) - state.row(s + 5) * row(c + 1);
-      error.row(3 * i + 1) += w * state.row(s + 1) + state.row(s + 5) * row(c + 0) - state.row(s + 3) * row(c + 2);
-      error.row(3 * i + 2) += w * state.row(s + 2) + state.row(s + 3) * row(c + 1) - state.row(s + 4) * row(c + 0);
-      if (stretches_)
-        for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) error.row(3 * i + a) += state.row(s + 6 + 3 * b + a) * row(c + b);
+}
+
+namespace {
+
+/// The part of a block of samples that lies within `count` columns of a matrix whose first column is sample `from`.
+struct Overlap {
+  Eigen::Index lane = 0, column = 0, size = 0;
+};
+
+Overlap overlap(Eigen::Index block, Eigen::Index from, Eigen::Index count) {
+  const Eigen::Index begin = std::max(block * lanes, from), end = std::min((block + 1) * lanes, from + count);
+  return {begin - block * lanes, begin - from, end - begin};
+}
+
+void load(const Rows& from, const Overlap& part, LaneRows& to) {
+  to.resize(lanes, from.rows());
+  if (part.size < lanes) to.setZero();
+  for (Eigen::Index r = 0; r < from.rows(); ++r)
+    to.col(r).segment(part.lane, part.size) = from.row(r).segment(part.column, part.size).transpose();
+}
+
+Lanes weight_of(const Lanes& square, int power) {
+  if (power == 2) return Lanes::Constant(1.05f);
+  if (power == 4) return square.min(100.0f) + 0.05f;
+  return (square * square).min(100.0f) + 0.05f;
+}
+
+}  // namespace
+
+void MotionMap::errors(const Rows& delta, Rows& error, Eigen::Index from) const {
+  error.resize(error_rows(), delta.cols());
+  LaneRows moves, state(lanes, state_width() * static_cast<Eigen::Index>(movers_.size())), e(lanes, 3);
+  for (Eigen::Index block = from / lanes; block * lanes < from + delta.cols(); ++block) {
+    const Overlap part = overlap(block, from, delta.cols());
+    load(delta, part, moves);
+    for (std::size_t i = 0; i < movers_.size(); ++i) move(i, block, moves, state);
+    for (Eigen::Index q = 0; q < point_count(); ++q) {
+      point_error(q, block, state, e);
+      for (int a = 0; a < 3; ++a)
+        error.row(3 * q + a).segment(part.column, part.size) = e.col(a).segment(part.lane, part.size).transpose();
     }
   }
   for (std::size_t m = 0; m < morphs_.size(); ++m)
@@ -281,73 +374,123 @@ void MotionMap::errors(const Rows& delta, Rows& error, Eigen::Index from) const 
 }
 
 void MotionMap::gradient(const Rows& weight, Rows& gradient, Eigen::Index from) const {
-  const Eigen::Index width = stretches_ ? 15 : 6;
-  const Eigen::Index count = weight.cols();
-  Rows state = Rows::Zero(width * static_cast<Eigen::Index>(movers_.size()), count);
-  const auto row = [&](Eigen::Index r) { return rows_.row(r).segment(from, count); };
-  for (Eigen::Index i = 0; i < point_count(); ++i) {
-    const auto g = [&](int a) { return weight.row(3 * i + a); };
-    for (std::size_t k = first_[static_cast<std::size_t>(i)]; k < first_[static_cast<std::size_t>(i) + 1]; ++k) {
-      const Share& share = shares_[k];
-      if (share.mover < 0) continue;
-      const Eigen::Index s = width * share.mover, c = share.row;
-      const float w = static_cast<float>(share.offset.w);
-      for (int a = 0; a < 3; ++a) state.row(s + a) += w * g(a);
-      state.row(s + 3) += row(c + 1) * g(2) - row(c + 2) * g(1);
-      state.row(s + 4) += row(c + 2) * g(0) - row(c + 0) * g(2);
-      state.row(s + 5) += row(c + 0) * g(1) - row(c + 1) * g(0);
-      if (stretches_)
-        for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) state.row(s + 6 + 3 * b + a) += g(a) * row(c + b);
+  gradient.setZero(free_count_, weight.cols());
+  LaneRows weights, state(lanes, state_width() * static_cast<Eigen::Index>(movers_.size())), e(lanes, 3), found;
+  for (Eigen::Index block = from / lanes; block * lanes < from + weight.cols(); ++block) {
+    const Overlap part = overlap(block, from, weight.cols());
+    load(weight, part, weights);
+    state.setZero();
+    for (Eigen::Index q = 0; q < point_count(); ++q) {
+      e = weights.middleCols(3 * q, 3);
+      pull(q, block, e, state);
     }
-  }
-  gradient.setZero(free_count_, count);
-  for (std::size_t i = movers_.size(); i-- > 0;) {
-    const Mover& mover = movers_[i];
-    const Eigen::Index s = width * static_cast<Eigen::Index>(i);
-    if (mover.translation.free >= 0)
-      for (int b = 0; b < 3; ++b)
-        for (int a = 0; a < 3; ++a)
-          gradient.row(mover.translation.free + b) += row(mover.translation.row + 3 * b + a) * state.row(s + a);
-    if (mover.rotation.free >= 0)
-      for (int b = 0; b < mover.rotation.width; ++b)
-        for (int a = 0; a < 3; ++a)
-          gradient.row(mover.rotation.free + b) += row(mover.rotation.row + 3 * b + a) * state.row(s + 3 + a);
-    if (mover.scale.free >= 0)
-      for (int k = 0; k < 3; ++k)
-        for (int b = 0; b < 3; ++b)
-          for (int a = 0; a < 3; ++a)
-            gradient.row(mover.scale.free + k) += state.row(s + 6 + 3 * b + a) * row(mover.scale.row + 9 + k) *
-                                                  row(mover.scale.row + 3 * k + a) * row(mover.scale.row + 3 * k + b);
-    if (mover.parent < 0) continue;
-    const Eigen::Index p = width * mover.parent, r = mover.offset_row;
-    state.middleRows(p, 6) += state.middleRows(s, 6);
-    state.row(p + 3) += row(r + 1) * state.row(s + 2) - row(r + 2) * state.row(s + 1);
-    state.row(p + 4) += row(r + 2) * state.row(s + 0) - row(r + 0) * state.row(s + 2);
-    state.row(p + 5) += row(r + 0) * state.row(s + 1) - row(r + 1) * state.row(s + 0);
-    if (stretches_) {
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) state.row(p + 6 + 3 * b + a) += state.row(s + a) * row(r + b);
-      state.middleRows(p + 6, 9) += state.middleRows(s + 6, 9);
-    }
+    found.setZero(lanes, free_count_);
+    settle(block, state, found);
+    for (Eigen::Index i = 0; i < free_count_; ++i)
+      gradient.row(i).segment(part.column, part.size) = found.col(i).segment(part.lane, part.size).transpose();
   }
   for (std::size_t m = 0; m < morphs_.size(); ++m)
     gradient.row(morphs_[m].free) +=
         static_cast<float>(morphs_[m].reach) * weight.row(3 * point_count() + static_cast<Eigen::Index>(m));
 }
 
+double MotionMap::descend_block(Eigen::Index block, const Rows& delta, const Rows& offset, const PointLoss& loss,
+                                Rows& gradient) const {
+  const Overlap part = overlap(block, 0, samples_);
+  const auto unit = static_cast<float>(1.0 / (loss.tolerance * loss.tolerance));
+  const auto width = state_width() * static_cast<Eigen::Index>(movers_.size());
+  LaneRows moves, state(lanes, width), pulls = LaneRows::Zero(lanes, width), e(lanes, 3),
+                                       found = LaneRows::Zero(lanes, free_count_);
+  load(delta, part, moves);
+  for (std::size_t i = 0; i < movers_.size(); ++i) move(i, block, moves, state);
+  double sum = 0;
+  const auto weigh = [&](const Lanes& square, Eigen::Index row) {
+    Lanes weight = weight_of(square * unit, loss.power);
+    if (loss.emphasis)
+      weight.segment(part.lane, part.size) *= loss.emphasis->row(row).segment(part.column, part.size).transpose();
+    sum += static_cast<double>(weight.head(part.size).sum());
+    return Lanes(2 * unit * weight);
+  };
+  for (Eigen::Index q = 0; q < point_count(); ++q) {
+    point_error(q, block, state, e);
+    for (int a = 0; a < 3; ++a)
+      e.col(a).head(part.size) += offset.row(3 * q + a).segment(part.column, part.size).transpose();
+    const Lanes weight = weigh(e.square().rowwise().sum(), q);
+    for (int a = 0; a < 3; ++a) e.col(a) *= weight;
+    pull(q, block, e, pulls);
+  }
+  settle(block, pulls, found);
+  for (std::size_t m = 0; m < morphs_.size(); ++m) {
+    const Eigen::Index q = point_count() + static_cast<Eigen::Index>(m);
+    const auto reach = static_cast<float>(morphs_[m].reach);
+    Lanes error = reach * moves.col(morphs_[m].free);
+    error.head(part.size) += offset.row(2 * point_count() + q).segment(part.column, part.size).transpose();
+    found.col(morphs_[m].free) += reach * error * weigh(error.square(), q);
+  }
+  for (Eigen::Index i = 0; i < free_count_; ++i)
+    gradient.row(i).segment(part.column, part.size) = found.col(i).head(part.size).transpose();
+  return sum;
+}
+
+double MotionMap::descend(const Rows& delta, const Rows& offset, const PointLoss& loss, int threads,
+                          Rows& gradient) const {
+  gradient.resize(free_count_, samples_);
+  std::vector<double> sums(static_cast<std::size_t>(block_count()));
+  parallel_for(sums.size(), threads, [&](std::size_t b) {
+    sums[b] = descend_block(static_cast<Eigen::Index>(b), delta, offset, loss, gradient);
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(samples_);
+}
+
+Effect MotionMap::effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index count) const {
+  const auto holds = [&](const Property& property) {
+    return property.free >= 0 && parameter >= property.free && parameter < property.free + property.width;
+  };
+  std::vector<bool> moved(movers_.size());
+  for (std::size_t i = 0; i < movers_.size(); ++i) {
+    const Mover& mover = movers_[i];
+    moved[i] = holds(mover.rotation) || holds(mover.translation) || holds(mover.scale) ||
+               (mover.parent >= 0 && moved[static_cast<std::size_t>(mover.parent)]);
+  }
+  Effect effect;
+  for (Eigen::Index q = 0; q < point_count(); ++q) {
+    const auto first = shares_.begin() + static_cast<std::ptrdiff_t>(first_[static_cast<std::size_t>(q)]),
+               last = shares_.begin() + static_cast<std::ptrdiff_t>(first_[static_cast<std::size_t>(q) + 1]);
+    if (std::any_of(first, last,
+                    [&](const Share& s) { return s.mover >= 0 && moved[static_cast<std::size_t>(s.mover)]; }))
+      effect.points.push_back(q);
+  }
+  const std::size_t points = effect.points.size();
+  for (std::size_t m = 0; m < morphs_.size(); ++m)
+    if (morphs_[m].free == parameter) effect.points.push_back(point_count() + static_cast<Eigen::Index>(m));
+  effect.values.setZero(3 * static_cast<Eigen::Index>(effect.points.size()), count);
+  for (std::size_t k = points; k < effect.points.size(); ++k)
+    effect.values.row(3 * static_cast<Eigen::Index>(k))
+        .setConstant(static_cast<float>(morphs_[static_cast<std::size_t>(effect.points[k] - point_count())].reach));
+  LaneRows moves = LaneRows::Zero(lanes, free_count_),
+           state = LaneRows::Zero(lanes, state_width() * static_cast<Eigen::Index>(movers_.size())), e(lanes, 3);
+  moves.col(parameter).setOnes();
+  for (Eigen::Index block = from / lanes; block * lanes < from + count; ++block) {
+    const Overlap part = overlap(block, from, count);
+    for (std::size_t i = 0; i < movers_.size(); ++i)
+      if (moved[i]) move(i, block, moves, state);
+    for (std::size_t k = 0; k < points; ++k) {
+      point_error(effect.points[k], block, state, e);
+      for (int a = 0; a < 3; ++a)
+        effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(part.column, part.size) =
+            e.col(a).segment(part.lane, part.size).transpose();
+    }
+  }
+  return effect;
+}
+
 Eigen::VectorXd MotionMap::reach() const {
-  const Eigen::Index count = free_count_;
-  Eigen::VectorXd reach(count);
-  Rows delta = Rows::Zero(count, samples_), error;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    delta.row(i).setOnes();
-    errors(delta, error);
-    delta.row(i).setZero();
-    Eigen::ArrayXf most = Eigen::ArrayXf::Zero(samples_);
-    for (Eigen::Index q = 0; q < point_count(); ++q)
-      most = most.max(error.middleRows(3 * q, 3).square().colwise().sum().transpose());
-    for (Eigen::Index r = 3 * point_count(); r < error_rows(); ++r) most = most.max(error.row(r).square().transpose());
+  Eigen::VectorXd reach(free_count_);
+  for (Eigen::Index i = 0; i < free_count_; ++i) {
+    const Effect unit = effect(i, 0, samples_);
+    Eigen::Array<float, 1, Eigen::Dynamic> most = Eigen::Array<float, 1, Eigen::Dynamic>::Zero(samples_);
+    for (std::size_t k = 0; k < unit.points.size(); ++k)
+      most = most.max(unit.values.middleRows(3 * static_cast<Eigen::Index>(k), 3).square().colwise().sum());
     reach(i) = std::sqrt(static_cast<double>(most.mean()));
   }
   return reach;

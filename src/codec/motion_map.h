@@ -16,6 +16,25 @@ namespace nmc::codec {
 /// One component a row, one sample a column: operations on rows run over samples at vector width.
 using Rows = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// Samples that a kernel works on at once, and numbers of them: one number a column.
+constexpr Eigen::Index lanes = 16;
+using Lanes = Eigen::Array<float, lanes, 1>;
+using LaneRows = Eigen::Array<float, lanes, Eigen::Dynamic>;
+
+/// The loss of training: with e a point's error in units of `tolerance` and w its emphasis, the squares e^2 weighted so
+/// that their sum behaves like a p-norm (reweighted least squares; the weights count as constant in the gradient).
+struct PointLoss {
+  double tolerance = 1;            ///< world units
+  int power = 2;                   ///< p: 2, 4 or 6
+  const Rows* emphasis = nullptr;  ///< points and morph targets x samples; null: one everywhere
+};
+
+/// What one step of a free parameter does to the points that it moves.
+struct Effect {
+  std::vector<Eigen::Index> points;  ///< ascending; a morph target m is point_count() + m
+  Rows values;                       ///< three rows per entry of `points` (a morph target uses the first) x samples
+};
+
 /// Which parameters of a layout a map takes as free.
 enum class FreeParameters {
   moving,  ///< those of moving targets, numbered as in ClipLayout::moving; fixed targets hold the values given
@@ -47,6 +66,13 @@ class MotionMap {
   /// gradient = J^T weight, for a weight on every error row, for the samples from `from` on.
   void gradient(const Rows& weight, Rows& gradient, Eigen::Index from = 0) const;
 
+  /// The gradient of `loss` at the error J delta + offset, over all samples, on `threads` threads. Returns the mean
+  /// over samples of the sum of the weights.
+  double descend(const Rows& delta, const Rows& offset, const PointLoss& loss, int threads, Rows& gradient) const;
+
+  /// J times one unit of a free parameter at samples from ... from + count - 1.
+  Effect effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index count) const;
+
   /// Root over samples of the mean of max over points |dp / dparameter|^2, per free parameter; world units per unit.
   Eigen::VectorXd reach() const;
 
@@ -60,19 +86,19 @@ class MotionMap {
     int value = -1;  ///< first parameter of the layout
     int width = 3;
     std::size_t target = 0;
-    Eigen::Index row = 0;  ///< in rows_: 3 x width; for a scale 3 axes x 3, then 3 factors
+    Eigen::Index row = 0;  ///< among the numbers: 3 x width; for a scale 3 axes x 3, then 3 factors
   };
   struct Mover {
     int node = -1;
     int parent = -1;  ///< index of the nearest mover above
     Property rotation, translation, scale;
     glm::dmat4 chain{1.0};        ///< from the mover above (or the world) to this node's parent
-    Eigen::Index offset_row = 0;  ///< in rows_: origin minus the parent's origin (3)
+    Eigen::Index offset_row = 0;  ///< among the numbers: origin minus the parent's origin (3)
   };
   struct Share {
     int mover = -1;
     glm::dvec4 offset{0.0};  ///< weight * (offset, 1), in the mover's space
-    Eigen::Index row = 0;    ///< in rows_: weight * (position - origin) (3)
+    Eigen::Index row = 0;    ///< among the numbers: weight * (position - origin) (3)
   };
   struct Morph {
     int free = 0;   ///< free parameter
@@ -84,6 +110,17 @@ class MotionMap {
   glm::dquat rotation(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index sample) const;
   void linearise_rotation(const Mover& mover, const glm::dmat3& above, const Eigen::MatrixXd& values,
                           Eigen::Index sample);
+
+  Eigen::Index state_width() const { return stretches_ ? 15 : 6; }
+  Eigen::Index block_count() const { return (samples_ + lanes - 1) / lanes; }
+  auto row(Eigen::Index block, Eigen::Index r) const { return rows_.col(block * row_count_ + r); }
+  float& entry(Eigen::Index r, Eigen::Index n) { return rows_(n % lanes, (n / lanes) * row_count_ + r); }
+  void move(std::size_t mover, Eigen::Index block, const LaneRows& delta, LaneRows& state) const;
+  void point_error(Eigen::Index point, Eigen::Index block, const LaneRows& state, LaneRows& error) const;
+  void pull(Eigen::Index point, Eigen::Index block, const LaneRows& weight, LaneRows& state) const;
+  void settle(Eigen::Index block, LaneRows& state, LaneRows& gradient) const;
+  double descend_block(Eigen::Index block, const Rows& delta, const Rows& offset, const PointLoss& loss,
+                       Rows& gradient) const;
 
   Property add_property(const LayoutBlock* block, bool all, Eigen::Index rows);
 
@@ -97,7 +134,7 @@ class MotionMap {
   bool stretches_ = false;  ///< some mover has scale parameters
   Eigen::Index samples_ = 0;
   Eigen::Index row_count_ = 0;
-  Rows rows_;
+  LaneRows rows_;  ///< per block of samples row_count_ numbers; what lies beyond the last sample is zero
 };
 
 }  // namespace nmc::codec

@@ -1,6 +1,7 @@
 #include "codec/source.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -47,6 +48,37 @@ motion::Clip make_clip(const std::string& name, const std::vector<Curve>& curves
   return motion::sample_clip(name, curves, motion::common_times(curves, parts));
 }
 
+/// Exporters write constants as STEP keys that differ by rounding; less than this share of the tolerance is not a jump.
+constexpr double rounding_share = 0.02;
+
+bool is_steady(const Curve& curve, double tolerance, double size) {
+  const double most = rounding_share * tolerance / (curve.path == Path::translation ? 1.0 : size);
+  const auto width = static_cast<std::size_t>(curve.width);
+  for (std::size_t i = width; i < curve.values.size(); ++i)
+    if (!(std::abs(static_cast<double>(curve.values[i]) - static_cast<double>(curve.values[i % width])) <= most))
+      return false;
+  return true;
+}
+
+/// The curve's first value, held from its first to its last key.
+Curve held(const Curve& curve) {
+  Curve constant = curve;
+  constant.interpolation = Interpolation::linear;
+  constant.times = {curve.times.front()};
+  if (curve.times.size() > 1) constant.times.push_back(curve.times.back());
+  constant.values.clear();
+  for (std::size_t k = 0; k < constant.times.size(); ++k)
+    constant.values.insert(constant.values.end(), curve.values.begin(), curve.values.begin() + curve.width);
+  return constant;
+}
+
+/// A channel that changes in jumps only, none of which anyone sees.
+bool is_constant_enough(const gltf::UntouchedChannel& channel, double tolerance, double size) {
+  const Curve& curve = channel.curve;
+  return curve.node >= 0 && curve.interpolation == Interpolation::step && !curve.times.empty() &&
+         is_steady(curve, tolerance, size);
+}
+
 std::size_t animated_nodes(const motion::Clip& clip) {
   std::set<int> nodes;
   for (const motion::Track& track : clip.tracks) nodes.insert(track.node);
@@ -88,8 +120,8 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     result.name = animation.name;
     if (is_excluded(animation.name, options))
       result.reason = "excluded";
-    else if (animation.channels.empty())
-      result.reason = animation.untouched.empty() ? "it has no channels" : animation.untouched.front().reason;
+    else if (animation.channels.empty() && animation.untouched.empty())
+      result.reason = "it has no channels";
     source.results.push_back(result);
     if (!result.reason.empty()) continue;
     ClipSource clip;
@@ -99,12 +131,23 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     std::vector<Curve> taken;
     for (const gltf::Channel& channel : animation.channels) {
       clip.channels.push_back(channel.channel);
+      clip.original.curves.push_back(channel.curve);
       taken.push_back(channel.curve);
     }
-    for (const gltf::UntouchedChannel& channel : animation.untouched)
-      if (channel.curve.node >= 0) clip.kept.curves.push_back(channel.curve);
-    clip.original.curves = taken;
-    clip.original.curves.insert(clip.original.curves.end(), clip.kept.curves.begin(), clip.kept.curves.end());
+    for (const gltf::UntouchedChannel& channel : animation.untouched) {
+      if (channel.curve.node < 0) continue;
+      clip.original.curves.push_back(channel.curve);
+      if (is_constant_enough(channel, source.tolerance, source.size)) {
+        clip.channels.push_back(channel.channel);
+        taken.push_back(held(channel.curve));
+      } else {
+        clip.kept.curves.push_back(channel.curve);
+      }
+    }
+    if (taken.empty()) {
+      source.results.back().reason = animation.untouched.front().reason;
+      continue;
+    }
     clip.clip = make_clip(animation.name, taken, source.tolerance, source.size);
     ClipResult& made = source.results.back();
     made.frames = clip.clip.times.size();

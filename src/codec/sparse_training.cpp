@@ -176,29 +176,7 @@ class Trainer {
     }
   }
 
-  static double norm_of(double progress) { return progress < 0.2 ? 2 : progress < 0.45 ? 4 : 6; }
-
-  /// Weights of the squared errors, so that their sum behaves like a p-norm: reweighted least squares towards the
-  /// largest error.
-  void weigh(double p) {
-    const auto points = map_.point_count();
-    const float unit = static_cast<float>(1.0 / (settings_.tolerance * settings_.tolerance));
-    weight_.resize(points + (error_.rows() - 3 * points), samples_);
-    for (Eigen::Index q = 0; q < weight_.rows(); ++q) {
-      const bool point = q < points;
-      Eigen::Array<float, 1, Eigen::Dynamic> square;
-      if (point)
-        square = error_.middleRows(3 * q, 3).square().colwise().sum() * unit;
-      else
-        square = error_.row(2 * points + q).square() * unit;
-      if (p == 2)
-        weight_.row(q).setConstant(1.05f);
-      else if (p == 4)
-        weight_.row(q) = square.min(100.0f) + 0.05f;
-      else
-        weight_.row(q) = (square * square).min(100.0f) + 0.05f;
-    }
-  }
+  static int norm_of(double progress) { return progress < 0.2 ? 2 : progress < 0.45 ? 4 : 6; }
 
   void train() {
     const int refresh = 50;
@@ -212,23 +190,12 @@ class Trainer {
         map_.linearise(middle);
       }
       delta_ = (now - truth_).array();
-      map_.errors(delta_, error_);
-      error_ += offset_;
-      weigh(norm_of(progress));
-      const auto points = map_.point_count();
-      const float unit = static_cast<float>(2.0 / (settings_.tolerance * settings_.tolerance));
-      for (Eigen::Index q = 0; q < weight_.rows(); ++q) {
-        if (q < points)
-          for (int a = 0; a < 3; ++a) error_.row(3 * q + a) *= unit * weight_.row(q);
-        else
-          error_.row(2 * points + q) *= unit * weight_.row(q);
-      }
-      map_.gradient(error_, gradient_);
-      const double mean_weight = weight_.cast<double>().sum() / static_cast<double>(samples_);
+      const PointLoss loss{settings_.tolerance, norm_of(progress), nullptr};
+      const double mean_weight = map_.descend(delta_, offset_, loss, settings_.threads, gradient_);
       const double step = std::exp2(-settings_.step_exponent / 2.0);
       // The slope of distortion over rate of a uniform quantiser, 2 ln 2 step^2 / 12, times the caller's factor.
       const auto rate_weight = static_cast<float>(settings_.rate * 0.1155 * step * mean_weight);
-      add_shell(unit);
+      add_shell();
       backward(gradient_.matrix(), rate_weight);
       const float speed = static_cast<float>(0.5 * (1 + std::cos(3.14159265358979 * progress)));
       const float c1 = static_cast<float>(1 / (1 - std::pow(0.9, it + 1))),
@@ -240,7 +207,8 @@ class Trainer {
   }
 
   /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little.
-  void add_shell(float unit) {
+  void add_shell() {
+    const auto unit = static_cast<float>(2.0 / (settings_.tolerance * settings_.tolerance));
     for (Eigen::Index i = 0; i < parameters_; ++i) {
       const auto reach = static_cast<float>(shell_share * settings_.tolerance / slot_step_(i));
       gradient_.row(i) += unit * reach * reach * delta_.row(i);
@@ -284,7 +252,7 @@ class Trainer {
   Matrix truth_;
   Trained anchors_;
   std::vector<Window> windows_;
-  Rows delta_, error_, weight_, gradient_;
+  Rows delta_, gradient_;
 };
 
 }  // namespace

@@ -25,6 +25,7 @@ struct SparseSettings {
   double rate = 0.25;    ///< how much a bit weighs against error
   int iterations = 300;  ///< 0: the rounded transform
   double tolerance = 1;  ///< world units
+  int threads = 1;
 };
 
 /// A clip ready for training.
