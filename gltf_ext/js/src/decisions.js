@@ -13,8 +13,11 @@ const squashTable = Int32Array.from({ length: 4096 }, (_, y) => {
   return (squashPoints[i] * (128 - f) + squashPoints[i + 1] * f) >> 7;
 });
 
+/** P of a mixed decision at [x + 2048]. */
+const mixedProbability = squashTable.map((p) => Math.min(Math.max(p, 32), 65504));
+
 /** stretch(q). Squash never falls, so one walk along x serves all q. */
-const stretchTable = new Float64Array(4096);
+const stretchTable = new Int16Array(4096);
 for (let q = 0, x = -2047; q < 4096; ++q) {
   while (x < 2047 && squashTable[x + 2048] >> 4 < q) ++x;
   stretchTable[q] = x;
@@ -41,14 +44,14 @@ export class Decisions {
     // Of the models: those of the runs, then M (the bits below the first, 32 lengths of 3 a group), then S (signs, 3 contexts a group).
     this.below = runs * 12;
     this.signs = this.below + groups * 96;
-    this.probability = new Uint16Array(this.signs + groups * 3).fill(32768);
-    this.learnt = new Uint8Array(this.probability.length);
+    // A model in one number, because a decision loads and stores up to six of them: its p above, its n in the lowest 8 bits.
+    this.models = new Int32Array(this.signs + groups * 3).fill(32768 << 8);
     this.weights = new Float64Array(groups * 12 * mostRuns).fill(20000);
     /** Where the caller puts the runs of the next number. */
     this.runs = new Int32Array(mostRuns);
     /** The bit length of the number read last. */
     this.length = 0;
-    this.stretched = new Float64Array(mostRuns);
+    this.stretched = new Int32Array(mostRuns);
     // Low, high and code. A typed array keeps 32-bit numbers unboxed.
     this.state = Uint32Array.of(0, 0xffffffff, 0);
     for (let i = 0; i < 4; ++i) this.state[2] = (this.state[2] << 8) | this.nextByte();
@@ -75,7 +78,7 @@ export class Decisions {
     const middle = (low + Math.imul(range >>> 16, p) + (Math.imul(range & 65535, p) >>> 16)) >>> 0;
     const bit = state[2] <= middle ? 1 : 0;
     if (bit) high = middle;
-    else low = middle + 1;
+    else low = (middle + 1) >>> 0;
     while (((low ^ high) & 0xff000000) === 0) {
       low = (low << 8) >>> 0;
       high = ((high << 8) | 255) >>> 0;
@@ -87,38 +90,68 @@ export class Decisions {
     return bit;
   }
 
-  /** Lets a model learn a decision. */
-  learn(model, bit, limit) {
-    const p = this.probability[model];
-    const n = this.learnt[model];
-    const rate = rates[n];
-    const next = bit ? p + (Math.imul(65535 - p, rate) >>> 16) : p - (Math.imul(p, rate) >>> 16);
-    this.probability[model] = next < 32 ? 32 : next > 65503 ? 65503 : next;
-    if (n < limit) this.learnt[model] = n + 1;
+  /** What a model becomes by learning a decision. Without branches on the bit, which no processor can foresee. */
+  learnt(model, bit, limit) {
+    const n = model & 255;
+    const p = model >> 8;
+    const zero = bit - 1;
+    // The distance to 65535 for a 1, to 0 for a 0; a part of it is added or taken.
+    const part = Math.imul(p ^ (-bit & 65535), rates[n]) >>> 16;
+    const next = p + (part ^ zero) - zero;
+    return ((next < 32 ? 32 : next > 65503 ? 65503 : next) << 8) | (n < limit ? n + 1 : n);
   }
 
-  plain(model) {
-    const bit = this.decide(this.probability[model]);
-    this.learn(model, bit, plainLimit);
+  plain(at) {
+    const model = this.models[at];
+    const bit = this.decide(model >> 8);
+    this.models[at] = this.learnt(model, bit, plainLimit);
     return bit;
   }
 
-  /** A mixed decision of the first `count` of `runs` at one step, with the weights from `weight` on. Doubles keep these integers exact. */
+  /** A mixed decision of the first `count` of `runs` at one step, with the weights from `weight` on. Doubles keep the sum exact. */
   mixed(count, step, weight) {
-    const { runs, stretched, weights, probability } = this;
+    const { runs, stretched, weights, models } = this;
     let sum = 0;
     for (let i = 0; i < count; ++i) {
-      stretched[i] = stretchTable[probability[runs[i] * 12 + step] >> 4];
-      sum += weights[weight + i] * stretched[i];
+      const s = stretchTable[models[runs[i] * 12 + step] >> 12];
+      stretched[i] = s;
+      sum += weights[weight + i] * s;
     }
-    const x = Math.min(Math.max(Math.floor(sum / 65536), -2047), 2047);
-    const p = Math.min(Math.max(squashTable[x + 2048], 32), 65504);
+    const x = sum < -2047 * 65536 ? -2047 : sum >= 2047 * 65536 ? 2047 : Math.floor(sum / 65536);
+    const p = mixedProbability[x + 2048];
     const bit = this.decide(p);
     const error = ((bit << 16) - p) * 6;
     for (let i = 0; i < count; ++i) {
-      weights[weight + i] += (stretched[i] * error + 524288) >> 20;
-      this.learn(runs[i] * 12 + step, bit, mixedLimit);
+      weights[weight + i] += (Math.imul(stretched[i], error) + 524288) >> 20;
+      const at = runs[i] * 12 + step;
+      models[at] = this.learnt(models[at], bit, mixedLimit);
     }
+    return bit;
+  }
+
+  mixed6(step, weight) {
+    const { runs, weights, models } = this;
+    const a0 = runs[0] * 12 + step, a1 = runs[1] * 12 + step, a2 = runs[2] * 12 + step, a3 = runs[3] * 12 + step, a4 = runs[4] * 12 + step, a5 = runs[5] * 12 + step;
+    const m0 = models[a0], m1 = models[a1], m2 = models[a2], m3 = models[a3], m4 = models[a4], m5 = models[a5];
+    const s0 = stretchTable[m0 >> 12], s1 = stretchTable[m1 >> 12], s2 = stretchTable[m2 >> 12], s3 = stretchTable[m3 >> 12], s4 = stretchTable[m4 >> 12], s5 = stretchTable[m5 >> 12];
+    const w0 = weights[weight], w1 = weights[weight + 1], w2 = weights[weight + 2], w3 = weights[weight + 3], w4 = weights[weight + 4], w5 = weights[weight + 5];
+    const sum = (s0 * w0 + s1 * w1) + (s2 * w2 + s3 * w3) + (s4 * w4 + s5 * w5);
+    const x = sum < -2047 * 65536 ? -2047 : sum >= 2047 * 65536 ? 2047 : Math.floor(sum / 65536);
+    const p = mixedProbability[x + 2048];
+    const bit = this.decide(p);
+    const error = ((bit << 16) - p) * 6;
+    weights[weight] = w0 + ((Math.imul(s0, error) + 524288) >> 20);
+    weights[weight + 1] = w1 + ((Math.imul(s1, error) + 524288) >> 20);
+    weights[weight + 2] = w2 + ((Math.imul(s2, error) + 524288) >> 20);
+    weights[weight + 3] = w3 + ((Math.imul(s3, error) + 524288) >> 20);
+    weights[weight + 4] = w4 + ((Math.imul(s4, error) + 524288) >> 20);
+    weights[weight + 5] = w5 + ((Math.imul(s5, error) + 524288) >> 20);
+    models[a0] = this.learnt(m0, bit, mixedLimit);
+    models[a1] = this.learnt(m1, bit, mixedLimit);
+    models[a2] = this.learnt(m2, bit, mixedLimit);
+    models[a3] = this.learnt(m3, bit, mixedLimit);
+    models[a4] = this.learnt(m4, bit, mixedLimit);
+    models[a5] = this.learnt(m5, bit, mixedLimit);
     return bit;
   }
 
@@ -134,7 +167,7 @@ export class Decisions {
     let length = 0;
     while (length < limit) {
       const step = length < 11 ? length : 11;
-      const larger = count === 1 ? this.plain(this.runs[0] * 12 + step) : this.mixed(count, step, (group * 12 + step) * mostRuns);
+      const larger = count === 1 ? this.plain(this.runs[0] * 12 + step) : count === 6 ? this.mixed6(step, group * 72 + step * 6): this.mixed(count, step, (group * 12 + step) * mostRuns);
       if (!larger) break;
       ++length;
     }

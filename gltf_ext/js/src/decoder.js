@@ -1,9 +1,7 @@
 // The decoder's face: opens a stream and evaluates its clips. No glTF here; extension.js connects targets to nodes.
 import { NmcError } from './error.js';
 import { PATHS, readPayload } from './payload.js';
-import { PoseEvaluator, lastAtOrBefore, prepareClip, slerp } from './pose.js';
-
-const STATIC = 1;
+import { PoseEvaluator, lastAtOrBefore, slerp } from './pose.js';
 
 /**
  * Opens a stream: checks it as a whole and reads all that is in it.
@@ -77,52 +75,57 @@ class Clip {
    * @returns {{target: number, times: Float32Array, values: Float32Array}[]} values: `width` floats a key
    */
   decode() {
-    const { times, states } = this;
-    const count = times.length;
-    const ends = count > 1 ? Float32Array.of(times[0], times[count - 1]) : times;
-    const tracks = [];
-    this.#targets.forEach(({ width }, target) => {
-      if (states[target] === 0) return;
-      const own = states[target] === STATIC ? ends : times;
-      tracks.push({ target, times: own, values: new Float32Array(own.length * width) });
+    const { times } = this;
+    const clip = this.#clip;
+    const evaluator = this.#evaluator;
+    const pose = evaluator.pose;
+    evaluator.still(clip, pose);
+    const last = times.length - 1;
+    const ends = last > 0 ? Float32Array.of(times[0], times[last]) : times;
+    const tracks = Array.from(clip.still, (target) => {
+      const { slot, width } = this.#targets[target];
+      const values = new Float32Array(ends.length * width);
+      for (let i = 0; i < values.length; ++i) values[i] = pose[slot + (i % width)];
+      return { target, times: ends, values };
     });
-    const pose = new Float64Array(this.slots);
-    for (let n = 0; n < count; ++n) {
-      this.#evaluator.sample(this.#prepared(), n, pose);
-      for (const { target, times: own, values } of tracks) {
+    const moving = Array.from(clip.moving, (target) => ({ target, times, values: new Float32Array(times.length * this.#targets[target].width) }));
+    for (let n = 0; n <= last; ++n) {
+      evaluator.move(clip, n, pose);
+      for (const { target, values } of moving) {
         const { slot, width } = this.#targets[target];
-        const key = own === times ? n : n === 0 ? 0 : 1;
-        for (let a = 0; a < width; ++a) values[key * width + a] = pose[slot + a];
+        for (let a = 0, i = n * width; a < width; ++a, ++i) values[i] = pose[slot + a];
       }
     }
-    return tracks;
-  }
-
-  #prepared() {
-    if (!this.#clip.steps) prepareClip(this.#evaluator.set, this.#clip);
-    return this.#clip;
+    return [...tracks, ...moving].sort((a, b) => a.target - b.target);
   }
 
   /** The pose of sample n; evaluated anew only if neither of the two kept poses is it. */
   #sample(n, place) {
-    this.#poses ??= [new Float64Array(this.slots), new Float64Array(this.slots)];
+    this.#poses ??= this.#makePoses();
     if (this.#at[place] === n) return this.#poses[place];
     if (this.#at[1 - place] === n) {
       this.#poses.reverse();
       this.#at.reverse();
       return this.#poses[place];
     }
-    this.#evaluator.sample(this.#prepared(), n, this.#poses[place]);
+    this.#evaluator.move(this.#clip, n, this.#poses[place]);
     this.#at[place] = n;
     return this.#poses[place];
   }
 
+  #makePoses() {
+    const pose = new Float64Array(this.slots);
+    this.#evaluator.still(this.#clip, pose);
+    return [pose, pose.slice()];
+  }
+
+  /** Still targets are the same in both poses. */
   #mix(a, b, u, out) {
-    if (b === null) {
-      for (let i = 0; i < this.slots; ++i) out[i] = a[i];
-      return;
-    }
-    for (const { path, slot, width } of this.#targets) {
+    for (let i = 0; i < this.slots; ++i) out[i] = a[i];
+    if (b === null) return;
+    const { moving } = this.#clip;
+    for (let k = 0; k < moving.length; ++k) {
+      const { path, slot, width } = this.#targets[moving[k]];
       if (path === 'rotation') slerp(a, b, slot, u, out);
       else for (let i = slot; i < slot + width; ++i) out[i] = a[i] + (b[i] - a[i]) * u;
     }

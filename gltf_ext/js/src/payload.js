@@ -97,15 +97,20 @@ class Reader {
     this.header = header;
     this.used = { samples: 0, windows: 0, anchors: 0, weights: 0, atoms: 0, dense: 0 };
     this.levels = new Int32Array(header.anchors);
-    this.weights = { parameter: new Uint16Array(header.weights), feature: new Uint16Array(header.weights), value: new Float64Array(header.weights) };
+    // The levels that are not 0, row after row; of each row that has any, where it ends and whose it is.
+    const most = header.weights;
+    this.weights = { feature: new Uint16Array(most), value: new Float64Array(most), rowEnd: new Int32Array(most), rowParameter: new Uint16Array(most) };
+    this.usedRows = 0;
     this.states = new Uint8Array(targets).fill(4);
-    // What contexts remember of each slot: bit lengths of its last anchor difference, of its last count, and of the levels of its last row.
+    // What contexts remember of each slot: bit lengths of its last anchor difference and of its last count; of its last row the number of levels
+    // and, per feature, what A.4.6.2 squeezes out of the bit lengths around it.
     this.was = new Uint8Array(slots);
     this.counts = new Uint8Array(slots);
     this.lastCounts = new Uint16Array(slots);
-    this.rowSize = maxFeatures + 2;
-    this.rows = new Uint8Array(slots * this.rowSize);
-    this.row = new Uint8Array(this.rowSize);
+    this.rowSize = maxFeatures + 1;
+    this.around = new Uint8Array(slots * this.rowSize);
+    // The bit lengths of the row that is being read; index 0 and what is beyond the last are 0.
+    this.row = new Uint8Array(maxFeatures + 2);
   }
 
   /** Takes `amount` of one of the header's totals, before anything of that size is made. */
@@ -288,8 +293,8 @@ class Reader {
     const { header, set } = this;
     const stepExponent = this.exponent(CLIP_EXPONENT, 0, 255);
     const windows = clip.begins.length - 1;
-    /** Per window its first weight, one more entry for the end, and its largest feature. */
-    clip.weightFirsts = new Int32Array(windows + 1).fill(this.used.weights);
+    /** Per window its first row with weights, one more entry for the end, and its largest feature. */
+    clip.rowFirsts = new Int32Array(windows + 1).fill(this.usedRows);
     clip.features = new Uint16Array(windows);
     if (header.maxFeatures === 0) return;
     for (let k = 0; k < windows; ++k) {
@@ -300,12 +305,12 @@ class Reader {
         for (let p = clip.firsts[t], a = 0; p < clip.firsts[t + 1]; ++p, ++a) {
           const parent = path === WEIGHTS || parents[path] < 0 ? -1 : parents[path] + Math.min(a, 2);
           const count = this.readCount(path, slot + a, a);
-          this.readRow(count, path, slot + a, a, parent, (j, level) => this.keepWeight(p, j, level * set.slotStep[slot + a] * scale));
+          this.readRow(count, path, slot + a, a, parent, p, set.slotStep[slot + a] * scale);
           clip.features[k] = Math.max(clip.features[k], count);
         }
         parents[path] = slot;
       });
-      clip.weightFirsts[k + 1] = this.used.weights;
+      clip.rowFirsts[k + 1] = this.usedRows;
     }
   }
 
@@ -323,46 +328,51 @@ class Reader {
     return count;
   }
 
-  /** A.4.6.2. Keeps the levels that are not 0, and all bit lengths as the slot's last row. */
-  readRow(count, path, slot, a, parent, keep) {
-    const { d, row, rows, rowSize } = this;
+  /** A.4.6.2. Keeps the levels that are not 0, times `scale`, as weights of the parameter. */
+  readRow(count, path, slot, a, parent, parameter, scale) {
+    const { d, row, around, weights } = this;
+    const at = slot * this.rowSize;
+    const before1 = a > 0 ? at - this.rowSize : -1;
+    const before2 = a > 1 ? before1 - this.rowSize : -1;
+    const above = parent < 0 ? -1 : parent * this.rowSize;
+    let kept = this.used.weights;
     let one = 0;
     let two = 0;
     for (let j = 1; j <= count; ++j) {
       const band = bandOf(j);
-      const n1 = a > 0 ? squeezeMore(this.past(slot - 1, j)) : 0;
-      const n2 = a > 1 ? squeezeMore(this.past(slot - 2, j)) : 0;
-      const above = parent < 0 ? 0 : squeezeMore(this.past(parent, j));
+      const n1 = before1 < 0 ? 0 : squeezedMore[around[before1 + j]];
+      const n2 = before2 < 0 ? 0 : squeezedMore[around[before2 + j]];
+      const n3 = above < 0 ? 0 : squeezedMore[around[above + j]];
       d.runs[0] = LEVEL_A + (Math.min(one, 7) * 8 + Math.min(two, 7)) * 8 + band;
       d.runs[1] = LEVEL_B + (n1 * 8 + n2) * 3 + Math.min(a, 2);
-      d.runs[2] = LEVEL_C + this.past(slot, j) * 8 + band;
+      d.runs[2] = LEVEL_C + around[at + j] * 8 + band;
       d.runs[3] = LEVEL_D + (slot & 511) * 4 + (band >> 1);
-      d.runs[4] = LEVEL_E + (above * 8 + Math.min(count - j, 7)) * 8 + Math.min(one + two, 7);
+      d.runs[4] = LEVEL_E + (n3 * 8 + Math.min(count - j, 7)) * 8 + Math.min(one + two, 7);
       d.runs[5] = LEVEL_F + Math.min(j, 63) * 4 + path;
       const level = d.signed(0, 6, 0);
-      if (level !== 0) keep(j, level);
       two = one;
       one = d.length;
       row[j] = one;
+      if (level === 0) continue;
+      // Writing beyond the end of these arrays does nothing, and is noticed below.
+      weights.feature[kept] = j;
+      weights.value[kept++] = level * scale;
     }
     need(count === 0 || one > 0, 'the last level of a row is 0');
-    const end = Math.max(count, this.lastCounts[slot]);
-    for (let j = 1; j <= end; ++j) rows[slot * rowSize + j] = j <= count ? row[j] : 0;
+    if (kept > this.used.weights) {
+      weights.rowEnd[this.usedRows] = kept;
+      weights.rowParameter[this.usedRows++] = parameter;
+    }
+    this.take('weights', kept - this.used.weights);
+    this.rememberRow(count, slot);
+  }
+
+  rememberRow(count, slot) {
+    const { row, around } = this;
+    const end = Math.min(Math.max(count, this.lastCounts[slot]) + 1, this.rowSize - 1);
+    row[count + 1] = 0;
+    for (let j = 1; j <= end; ++j) around[slot * this.rowSize + j] = j > count + 1 ? 0 : squeezed[row[j - 1] + 2 * row[j] + (j > count ? 0 : row[j + 1])];
     this.lastCounts[slot] = count;
-  }
-
-  /** The squeezed surroundings of feature j in a slot's last row. */
-  past(slot, j) {
-    const at = slot * this.rowSize + j;
-    const around = this.rows[at - 1] + 2 * this.rows[at] + this.rows[at + 1];
-    return around < 8 ? around : Math.min(8 + ((around - 8) >> 2), 15);
-  }
-
-  keepWeight(parameter, feature, value) {
-    const at = this.take('weights', 1);
-    this.weights.parameter[at] = parameter;
-    this.weights.feature[at] = feature;
-    this.weights.value[at] = value;
   }
 
   /** A.4.7 */
@@ -439,10 +449,9 @@ function bandOf(j) {
   return j < 6 ? 3 : j < 10 ? 4 : j < 18 ? 5 : j < 40 ? 6 : 7;
 }
 
-function squeezeMore(v) {
-  if (v < 5) return v;
-  return v < 8 ? 5 : v < 11 ? 6 : 7;
-}
+// What A.4.6.2 squeezes, by value: once of sums of four bit lengths, and once more of the result.
+const squeezed = Uint8Array.from({ length: 4 * 23 + 1 }, (_, v) => (v < 8 ? v : Math.min(8 + ((v - 8) >> 2), 15)));
+const squeezedMore = Uint8Array.from({ length: 16 }, (_, v) => (v < 5 ? v : v < 8 ? 5 : v < 11 ? 6 : 7));
 
 /** The last anchor of a parameter in another clip; 0 where that clip lacks it. */
 function lastLevel(clip, target, a) {

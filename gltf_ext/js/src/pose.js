@@ -3,6 +3,7 @@ import { COSINE, PATHS, SINE } from './payload.js';
 
 const STATIC = 1;
 const QUATERNION = 3;
+const ROTATION = 1;
 
 /** exp of the vector at `v[i]` as a quaternion into `out`. Near 0 the series keeps sin(x / 2) / x exact. */
 export function exponential(v, i, out) {
@@ -89,9 +90,10 @@ export class PoseEvaluator {
     this.set = set;
     this.reference = referencePose(set);
     this.y = new Float64Array(set.slots);
+    /** A pose for the use of whoever evaluates and keeps nothing. */
+    this.pose = new Float64Array(set.slots);
     this.rotation = new Float64Array(4);
     this.features = new Float64Array(set.clips.reduce((most, clip) => clip.features.reduce((a, b) => Math.max(a, b), most), 0) + 2);
-    this.slots = set.clips.map(() => null);
     if (set.hasNetwork) {
       const frequencies = set.clips.reduce((most, clip) => Math.max(most, clip.frequencies.length), 0);
       this.x = new Float64Array(2 * frequencies + 1);
@@ -99,53 +101,62 @@ export class PoseEvaluator {
     }
   }
 
-  /** The pose of a clip at sample n into `out`, by slots. */
-  sample(clip, n, out) {
-    this.parameters(clip, n);
-    const { y, reference, rotation } = this;
-    const { targets } = this.set;
-    for (let t = 0; t < targets.length; ++t) {
-      const { path, slot, width } = targets[t];
-      const state = clip.states[t];
-      const p = clip.firsts[t];
-      if (state === 0) {
-        for (let a = 0; a < width; ++a) out[slot + a] = reference[slot + a];
-      } else if (state === QUATERNION) {
-        normalize(y[p], y[p + 1], y[p + 2], y[p + 3], out, slot);
-      } else if (path === 1) {
-        exponential(y, p, rotation);
-        multiply(reference, slot, rotation, out, slot);
-      } else {
-        for (let a = 0; a < width; ++a) out[slot + a] = reference[slot + a] + y[p + a];
-      }
-    }
+  /** The targets of a clip that are the same at all samples, into `out` by slots. Those that the clip lacks get the reference pose. */
+  still(clip, out) {
+    prepareClip(this.set, clip);
+    this.addAnchors(clip, 0, 0, clip.stillParameters);
+    out.set(this.reference);
+    for (const t of clip.still) this.toPose(clip, t, out);
   }
 
-  /** y of A.5 at sample n. */
-  parameters(clip, n) {
+  /** The other targets at sample n. */
+  move(clip, n, out) {
     const k = lastAtOrBefore(clip.begins, clip.begins.length - 1, n);
     const begin = clip.begins[k];
     const length = clip.begins[k + 1] - begin;
-    this.addAnchors(clip, k, (n - begin) / length);
+    this.addAnchors(clip, k, (n - begin) / length, clip.movingParameters);
     if (clip.features[k] > 0) this.addWeights(clip, k, n - begin, length);
     if (clip.atoms.level.length > 0) this.addAtoms(clip, n);
     if (this.set.hasNetwork) this.addNetwork(clip, clip.samples > 1 ? n / (clip.samples - 1) : 0);
+    for (let i = 0; i < clip.moving.length; ++i) this.toPose(clip, clip.moving[i], out);
   }
 
-  addAnchors(clip, k, u) {
+  /** From the parameters of a target to its value. */
+  toPose(clip, t, out) {
+    const { y, reference, rotation } = this;
+    const { path, slot, width } = this.set.targets[t];
+    const p = clip.firsts[t];
+    if (clip.states[t] === QUATERNION) {
+      normalize(y[p], y[p + 1], y[p + 2], y[p + 3], out, slot);
+    } else if (path === ROTATION) {
+      exponential(y, p, rotation);
+      multiply(reference, slot, rotation, out, slot);
+    } else {
+      for (let a = 0; a < width; ++a) out[slot + a] = reference[slot + a] + y[p + a];
+    }
+  }
+
+  addAnchors(clip, k, u, chosen) {
     const { y } = this;
     const { parameters, levels, steps } = clip;
     const first = clip.basis === COSINE ? 0 : k * parameters;
     const next = clip.basis === COSINE ? 0 : first + parameters;
-    for (let p = 0; p < parameters; ++p) y[p] = ((1 - u) * levels[first + p] + u * levels[next + p]) * steps[p];
+    for (let i = 0; i < chosen.length; ++i) {
+      const p = chosen[i];
+      y[p] = ((1 - u) * levels[first + p] + u * levels[next + p]) * steps[p];
+    }
   }
 
   addWeights(clip, k, m, length) {
     const { y, features } = this;
-    const { parameter, feature, value } = this.set.weights;
+    const { feature, value, rowEnd, rowParameter } = this.set.weights;
     fillFeatures(clip.basis, clip.features[k], m, length, features);
-    const end = clip.weightFirsts[k + 1];
-    for (let i = clip.weightFirsts[k]; i < end; ++i) y[parameter[i]] += value[i] * features[feature[i]];
+    const end = clip.rowFirsts[k + 1];
+    for (let r = clip.rowFirsts[k], i = r > 0 ? rowEnd[r - 1] : 0; r < end; ++r) {
+      let sum = 0;
+      for (; i < rowEnd[r]; ++i) sum += value[i] * features[feature[i]];
+      y[rowParameter[r]] += sum;
+    }
   }
 
   addAtoms(clip, n) {
@@ -171,20 +182,39 @@ export class PoseEvaluator {
     applyLayer(clip.W0, clip.b0, x, inputs, layers[0], true);
     applyLayer(set.W1, set.b1, layers[0], layers[0].length, layers[1], true);
     applyLayer(set.W2, set.b2, layers[1], layers[1].length, layers[2], false);
-    for (let i = 0; i < clip.moving.length; ++i) y[clip.moving[i]] += layers[2][i];
+    for (let i = 0; i < clip.outputs.length; ++i) y[clip.outputs[i]] += layers[2][i];
   }
 }
 
-/** What evaluation needs of a clip beside its numbers: the anchor step of each parameter, and which parameters move. */
+/**
+ * What evaluation needs of a clip beside its numbers, made when it is first evaluated: the anchor step of each parameter, which targets and
+ * parameters are still and which move, and which parameters the network gives.
+ */
 export function prepareClip(set, clip) {
+  if (clip.steps) return;
   clip.steps = new Float64Array(clip.parameters);
-  clip.moving = [];
+  const corrected = new Set(clip.atoms.parameter);
+  const still = [];
+  const moving = [];
+  const parameters = { still: [], moving: [], outputs: [] };
   set.targets.forEach(({ slot }, t) => {
-    for (let p = clip.firsts[t], a = 0; p < clip.firsts[t + 1]; ++p, ++a) {
-      clip.steps[p] = set.anchorStep[slot + a];
-      if (clip.states[t] > STATIC) clip.moving.push(p);
+    if (clip.states[t] === 0) return;
+    const own = [];
+    for (let p = clip.firsts[t]; p < clip.firsts[t + 1]; ++p) {
+      clip.steps[p] = set.anchorStep[slot + own.length];
+      own.push(p);
     }
+    // An atom moves even what has no weights.
+    const moves = clip.states[t] > STATIC || own.some((p) => corrected.has(p));
+    (moves ? moving : still).push(t);
+    parameters[moves ? 'moving' : 'still'].push(...own);
+    if (clip.states[t] > STATIC) parameters.outputs.push(...own);
   });
+  clip.still = Int32Array.from(still);
+  clip.moving = Int32Array.from(moving);
+  clip.stillParameters = Int32Array.from(parameters.still);
+  clip.movingParameters = Int32Array.from(parameters.moving);
+  clip.outputs = Int32Array.from(parameters.outputs);
 }
 
 /**
