@@ -1,0 +1,108 @@
+// The plug-ins in Node: the package as npm packs and installs it, in three.js, Babylon.js and glTF-Transform.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, readdirSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { pathToFileURL } from 'node:url';
+import { measureBabylon, measureThree } from './measure.mjs';
+import { channels, compressed, largestDifference, noTool, readGlb, root, runTool, sample, scratch } from './support.mjs';
+
+const tolerance = 0.001;
+const allowed = tolerance + 1e-4;
+let folder;
+let files;
+
+/** Imports as an application in an otherwise empty folder would. */
+function load(name) {
+  const entry = join(folder, `${name.replace(/\W/g, '_')}.mjs`);
+  writeFileSync(entry, `export * from '${name}';\n`);
+  return import(pathToFileURL(entry).href);
+}
+
+before(() => {
+  folder = mkdtempSync(join(scratch, 'consumer-'));
+  const tarball = execFileSync('npm', ['pack', '--silent', '--pack-destination', folder, join(root, 'gltf_ext/js')], { encoding: 'utf8' }).trim();
+  writeFileSync(join(folder, 'package.json'), '{"private": true, "type": "module"}');
+  const options = ['--silent', '--offline', '--no-audit', '--no-fund', '--omit=peer', '--legacy-peer-deps'];
+  execFileSync('npm', ['install', ...options, join(folder, tarball)], { cwd: folder, stdio: 'inherit' });
+  // The engines are the application's; here those of the tests.
+  const engines = join(root, 'tests/node_modules');
+  for (const name of ['three', '@babylonjs', '@gltf-transform', 'property-graph']) symlinkSync(join(engines, name), join(folder, 'node_modules', name));
+  if (noTool) return;
+  files = [sample('humanoid_30hz.glb'), compressed(sample('humanoid_30hz.glb'), '--tolerance', '0.1%', '--effort', '1')];
+});
+
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+test('the packed package holds what it needs and nothing else', async () => {
+  const names = readdirSync(join(folder, 'node_modules/gltf-nmc')).sort();
+  assert.deepEqual(names, ['LICENSE', 'README.md', 'package.json', 'src']);
+  assert.deepEqual(Object.keys(await load('gltf-nmc')).sort(), ['NmcError', 'expand', 'expandJson', 'openSet']);
+});
+
+for (const streaming of [false, true]) {
+  test(`three.js plays a compressed file${streaming ? ', evaluating while playing' : ''}`, { skip: noTool }, async () => {
+    const three = await load('three');
+    const { GLTFLoader } = await load('three/addons/loaders/GLTFLoader.js');
+    const { nmcPlugin } = await load('gltf-nmc/three');
+    const [original, other] = await Promise.all(
+      files.map((file) => {
+        const bytes = readFileSync(file);
+        return new GLTFLoader().register(nmcPlugin({ streaming })).parseAsync(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length), '');
+      }),
+    );
+    original.animations.forEach(({ duration }, i) => assert.equal(other.animations[i].duration, duration));
+    const { clips, difference, motion } = measureThree(three, original, other);
+    assert.equal(clips, 9);
+    assert.ok(motion > 0.1, 'nothing moves');
+    assert.ok(difference > 0 && difference <= allowed, `${difference}`);
+    const keys = other.animations[0].tracks.reduce((sum, { times }) => sum + times.length, 0);
+    assert.ok(streaming ? keys <= 2 * other.animations[0].tracks.length : keys > 1000);
+  });
+}
+
+test('Babylon.js plays a compressed file', { skip: noTool }, async () => {
+  const { NullEngine } = await load('@babylonjs/core/Engines/nullEngine.js');
+  const { Scene } = await load('@babylonjs/core/scene.js');
+  const { LoadAssetContainerAsync } = await load('@babylonjs/core/Loading/sceneLoader.js');
+  const { registerGLTFExtension } = await load('@babylonjs/loaders/glTF/2.0/index.js');
+  const { EXTENSION, nmcExtension } = await load('gltf-nmc/babylon');
+  registerGLTFExtension(EXTENSION, true, nmcExtension);
+  const scene = new Scene(new NullEngine());
+  const containers = [];
+  for (const file of files) containers.push(await LoadAssetContainerAsync(new Uint8Array(readFileSync(file)), scene, { pluginExtension: '.glb' }));
+  for (const container of containers) container.addAllToScene();
+  const { clips, difference, motion } = measureBabylon(...containers);
+  assert.equal(clips, 9);
+  assert.ok(motion > 0.1, 'nothing moves');
+  assert.ok(difference > 0 && difference <= allowed, `${difference}`);
+  scene.getEngine().dispose();
+});
+
+test('glTF-Transform reads a compressed file and writes a plain one', { skip: noTool }, async () => {
+  const { WebIO } = await load('@gltf-transform/core');
+  const { NMCAnimationCompression } = await load('gltf-nmc/gltf-transform');
+  const io = new WebIO().registerExtensions([NMCAnimationCompression]);
+  const document = await io.readBinary(new Uint8Array(readFileSync(files[1])));
+  const written = await io.writeBinary(document);
+  assert.equal(readGlb(written).json.extensionsUsed, undefined);
+  const decoded = join(folder, 'decoded.glb');
+  runTool('decode', files[1], decoded);
+  const expected = channels(readFileSync(decoded));
+  const actual = channels(written);
+  assert.equal(actual.length, expected.length);
+  const nodeNames = [readFileSync(decoded), written].map((bytes) => readGlb(bytes).json.nodes.map(({ name }) => name));
+  expected.forEach((animation, i) => {
+    assert.equal(actual[i].channels.size, animation.channels.size);
+    for (const [target, { times, values }] of animation.channels) {
+      const [path, node] = target.split(' ');
+      const other = actual[i].channels.get(`${path} ${nodeNames[1].indexOf(nodeNames[0][node])}`);
+      assert.deepEqual(other.times, times);
+      assert.ok(largestDifference(values, other.values) <= 1e-5);
+    }
+  });
+  // The tool's own measure of the error, which sees the file only.
+  writeFileSync(join(folder, 'written.glb'), written);
+  runTool('verify', files[0], join(folder, 'written.glb'), '--tolerance', '0.1%');
+});

@@ -1,0 +1,105 @@
+// Plays two files in an engine and measures how far apart their joints are. Runs in pages and in Node; the engine is handed in.
+
+const timesPerClip = 20;
+
+/**
+ * @param {object} three what `import * as THREE` gives
+ * @param {object} original what GLTFLoader gives
+ * @param {object} other the same for the compressed file
+ * @returns {{clips: number, size: number, difference: number}} size: largest side of the box around the joints at rest; difference: largest of
+ *   all joints, clips and times, as a share of the size
+ */
+export function measureThree(three, original, other) {
+  const players = [original, other].map((gltf) => threePlayer(three, gltf));
+  return measure(players, original.animations.map(({ name, duration }) => ({ name, begin: 0, end: duration })));
+}
+
+function threePlayer(three, gltf) {
+  const bones = [];
+  gltf.scene.traverse((object) => object.isSkinnedMesh && bones.push(...object.skeleton.bones));
+  const mixer = new three.AnimationMixer(gltf.scene);
+  const point = new three.Vector3();
+  const positions = () => {
+    gltf.scene.updateMatrixWorld(true);
+    return bones.flatMap((bone) => bone.getWorldPosition(point).toArray());
+  };
+  return {
+    names: gltf.animations.map(({ name }) => name),
+    rest: positions(),
+    pose(index, seconds) {
+      mixer.stopAllAction();
+      const action = mixer.clipAction(gltf.animations[index]);
+      action.setLoop(three.LoopOnce);
+      action.clampWhenFinished = true;
+      action.play();
+      mixer.setTime(seconds);
+      return positions();
+    },
+  };
+}
+
+/**
+ * The same for Babylon.js.
+ * @param {object} original what LoadAssetContainerAsync gives, added to a scene
+ */
+export function measureBabylon(original, other) {
+  const players = [original, other].map(babylonPlayer);
+  return measure(players, original.animationGroups.map(({ name, from, to }) => ({ name, begin: from, end: to })));
+}
+
+function babylonPlayer({ animationGroups, skeletons, transformNodes, meshes }) {
+  const nodes = [...new Set(skeletons.flatMap(({ bones }) => bones.map((bone) => bone.getTransformNode())))];
+  const all = [...transformNodes, ...meshes];
+  const rest = all.map((node) => [node.position.clone(), node.rotationQuaternion?.clone(), node.scaling.clone()]);
+  const positions = () => {
+    for (const node of all) node.computeWorldMatrix(true);
+    return nodes.flatMap((node) => node.computeWorldMatrix(true) && node.getAbsolutePosition().asArray());
+  };
+  return {
+    names: animationGroups.map(({ name }) => name),
+    rest: positions(),
+    pose(index, frame) {
+      for (const group of animationGroups) group.stop();
+      all.forEach((node, i) => {
+        node.position.copyFrom(rest[i][0]);
+        if (rest[i][1]) node.rotationQuaternion.copyFrom(rest[i][1]);
+        node.scaling.copyFrom(rest[i][2]);
+      });
+      animationGroups[index].start(false);
+      animationGroups[index].goToFrame(frame);
+      return positions();
+    },
+  };
+}
+
+function measure([original, other], clips) {
+  if (JSON.stringify(original.names) !== JSON.stringify(other.names)) throw new Error(`clips differ: ${other.names}`);
+  if (original.rest.length === 0 || original.rest.length !== other.rest.length) throw new Error('the joints differ');
+  const size = boxSize(original.rest);
+  let difference = 0;
+  let motion = 0;
+  clips.forEach(({ begin, end }, index) => {
+    for (let i = 0; i < timesPerClip; ++i) {
+      const at = begin + ((end - begin) * i) / (timesPerClip - 1);
+      const expected = original.pose(index, at);
+      const actual = other.pose(index, at);
+      difference = Math.max(difference, largestDistance(expected, actual) / size);
+      motion = Math.max(motion, largestDistance(expected, original.rest) / size);
+    }
+  });
+  return { clips: clips.length, size, difference, motion };
+}
+
+function boxSize(points) {
+  const sides = [0, 1, 2].map((axis) => {
+    const values = points.filter((_, i) => i % 3 === axis);
+    return Math.max(...values) - Math.min(...values);
+  });
+  return Math.max(...sides);
+}
+
+function largestDistance(a, b) {
+  let largest = 0;
+  for (let i = 0; i < a.length; i += 3) largest = Math.max(largest, Math.hypot(a[i] - b[i], a[i + 1] - b[i + 1], a[i + 2] - b[i + 2]));
+  return largest;
+}
