@@ -22,6 +22,7 @@ struct Arguments {
   std::string tolerance = "0.1%";
   int max_frequencies = 40;
   int effort = 5;
+  double contact_weight = 3;
   double time_limit_seconds = 0;
   int threads = 0;
   bool optional = false;
@@ -33,6 +34,7 @@ struct Arguments {
   // whether the user named them
   bool has_max_frequencies = false;
   bool has_effort = false;
+  bool has_contact_weight = false;
 };
 
 void refuse_contradictions(const Arguments& a) {
@@ -43,6 +45,7 @@ void refuse_contradictions(const Arguments& a) {
     refuse("--max-frequencies belongs to --profile paper: add it, or leave both out.");
   if (a.has_effort && paper)
     refuse("--effort does not exist in --profile paper: use --max-frequencies or --time-limit.");
+  if (a.has_contact_weight && paper) refuse("--contact-weight does not exist in --profile paper: leave it out.");
 }
 
 codec::CompressOptions make_options(const Arguments& a) {
@@ -51,6 +54,7 @@ codec::CompressOptions make_options(const Arguments& a) {
   options.tolerance = parse_tolerance(a.tolerance);
   options.max_frequencies = a.max_frequencies;
   options.effort = a.effort;
+  options.contact_weight = a.contact_weight;
   options.time_limit_seconds = a.time_limit_seconds;
   options.threads = a.threads;
   if (a.optional) options.requirement = gltf::Requirement::optional;
@@ -131,6 +135,10 @@ Run compress_command(CLI::App& app) {
           },
           ""))
       ->group("Method");
+  CLI::Option* contact_weight =
+      app.add_option("--contact-weight", a->contact_weight,
+                     "how often the error of points that stand still counts; profile default only (default 3)")
+          ->check(CLI::Range(1.0, 100.0));
   CLI::Option* effort =
       app.add_option("--effort", a->effort, "1 (fast) to 9 (smallest file); profile default only (default 5)")
           ->type_name("N")
@@ -161,6 +169,7 @@ Run compress_command(CLI::App& app) {
   app.add_flag("--quiet", a->quiet, "no table and no progress line")->group("Output");
   return [=] {
     a->has_effort = effort->count() > 0;
+    a->has_contact_weight = contact_weight->count() > 0;
     a->has_max_frequencies = frequencies->count() > 0;
     return run(*a);
   };

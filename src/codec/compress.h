@@ -31,6 +31,7 @@ struct CompressOptions {
   Profile profile = Profile::standard;
   Tolerance tolerance;
   int max_frequencies = 40;       ///< paper profile: the largest K of Algorithm 1
+  double contact_weight = 3;      ///< standard profile: how often the error of points that stand still counts
   int effort = 5;                 ///< standard profile: 1 (fast) to 9 (thorough)
   double time_limit_seconds = 0;  ///< 0: none
   int threads = 0;                ///< 0: all

@@ -39,6 +39,12 @@ class Corrector {
       const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
       error_ = map_.positions(now) - wanted_;
       measure(0, samples_);
+      if (getenv("NMC_DBG")) {
+        auto l = largest();
+        fprintf(stderr, "   corr round %d largest %g at %td point %td/%td violating samples %td of %td atoms %zu\n",
+                round, l.second / bound_, l.first, worst_point_, map_.point_count(),
+                (worst_square_ > float(bound_ * bound_)).count(), samples_, clip_.atoms.size());
+      }
       if (largest().second <= bound_) return true;
       map_.linearise(0.5 * (now + layout_.values));
       // Linear predictions are off by a little: aim lower each time.

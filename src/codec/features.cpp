@@ -20,9 +20,7 @@ Eigen::MatrixXd window_features(Basis basis, std::uint32_t window_length, Eigen:
   return features;
 }
 
-Eigen::Index feature_limit(Basis, std::uint32_t window_length) {
-  return static_cast<Eigen::Index>(window_length) - 1;
-}
+Eigen::Index feature_limit(Basis, std::uint32_t window_length) { return static_cast<Eigen::Index>(window_length) - 1; }
 
 Eigen::MatrixXd anchor_shares(Basis basis, std::uint32_t window_length, Eigen::Index samples) {
   Eigen::MatrixXd shares(2, samples);

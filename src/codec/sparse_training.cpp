@@ -47,7 +47,8 @@ auto rate_slope(const Eigen::ArrayBase<Derived>& u) {
 class Trainer {
  public:
   Trainer(const TrainingInput& input, MotionMap& map, const SparseSettings& settings)
-      : layout_(*input.layout),
+      : input_(input),
+        layout_(*input.layout),
         steps_(*input.steps),
         offset_(*input.offset),
         map_(map),
@@ -66,9 +67,29 @@ class Trainer {
     start_windows();
   }
 
-  LevelClip run() {
+  TrainedClip run() {
     if (settings_.iterations > 0 && parameters_ > 0) train();
-    return result();
+    if (getenv("NMC_DBG") && settings_.iterations > 0) {
+      Matrix now = values();
+      delta_ = (now - truth_).array();
+      Rows e;
+      map_.errors(delta_, e);
+      e += offset_;
+      float m = 0;
+      Eigen::Index at = 0, pt = 0;
+      for (Eigen::Index q = 0; q < map_.point_count(); ++q)
+        for (Eigen::Index n = 0; n < samples_; ++n) {
+          float x = e.col(n).segment(3 * q, 3).matrix().norm();
+          if (x > m) {
+            m = x;
+            at = n;
+            pt = q;
+          }
+        }
+      fprintf(stderr, "  trained: largest linear %g at %td point %td of %td\n", m / input_.tolerance, at, pt,
+              map_.point_count());
+    }
+    return {result(), state()};
   }
 
  private:
@@ -77,6 +98,10 @@ class Trainer {
   bool single_anchor() const { return settings_.basis == Basis::cosine; }
 
   void start_anchors() {
+    if (input_.start) {
+      anchors_.start(input_.start->anchors);
+      return;
+    }
     const std::size_t rows = single_anchor() ? 1 : settings_.boundaries.size();
     Matrix anchors(parameters_, static_cast<Eigen::Index>(rows));
     for (std::size_t r = 0; r < rows; ++r) {
@@ -110,7 +135,10 @@ class Trainer {
       window.shares = anchor_shares(settings_.basis, window.length, window.samples).cast<float>();
       const double scale = std::exp2(-settings_.step_exponent / 4.0) * std::sqrt(2.0 / window.length);
       window.step = slot_step_ * static_cast<float>(scale);
-      start_weights(window, w);
+      if (input_.start)
+        continue_weights(window, w);
+      else
+        start_weights(window, w);
       windows_.push_back(std::move(window));
     }
   }
@@ -130,6 +158,19 @@ class Trainer {
     count = std::min(limit, count);
     window.features = all.topRows(count);
     window.weights.start(levels.leftCols(count));
+  }
+
+  void continue_weights(Window& window, std::size_t w) {
+    const Matrix& levels = input_.start->weights[w];
+    window.features = window_features(settings_.basis, window.length, levels.cols(), window.samples).cast<float>();
+    const double finer = std::exp2((settings_.step_exponent - input_.start->step_exponent) / 4.0);
+    window.weights.start(levels * static_cast<float>(finer));
+  }
+
+  TrainingState state() const {
+    TrainingState state{settings_.step_exponent, anchors_.level, {}};
+    for (const Window& window : windows_) state.weights.push_back(window.weights.level);
+    return state;
   }
 
   Matrix anchor_values(const Window& window, std::size_t w) const {
@@ -176,12 +217,14 @@ class Trainer {
     }
   }
 
+  /// The norm rises while a training goes on; one that continues another starts with the middle one.
   static int norm_of(double progress) { return progress < 0.2 ? 2 : progress < 0.45 ? 4 : 6; }
 
   void train() {
     const int refresh = 50;
     for (int it = 0; it < settings_.iterations; ++it) {
-      const double progress = static_cast<double>(it) / settings_.iterations;
+      const double done = static_cast<double>(it) / settings_.iterations;
+      const double progress = input_.start ? continued + (1 - continued) * done : done;
       const Matrix now = values();
       if (it % refresh == 0) {
         Eigen::MatrixXd middle = layout_.values;
@@ -190,8 +233,8 @@ class Trainer {
         map_.linearise(middle);
       }
       delta_ = (now - truth_).array();
-      const PointLoss loss{settings_.tolerance, norm_of(progress), nullptr};
-      const double mean_weight = map_.descend(delta_, offset_, loss, settings_.threads, gradient_);
+      const PointLoss loss{input_.tolerance, norm_of(progress), input_.emphasis};
+      const double mean_weight = map_.descend(delta_, offset_, loss, input_.threads, gradient_);
       const double step = std::exp2(-settings_.step_exponent / 2.0);
       // The slope of distortion over rate of a uniform quantiser, 2 ln 2 step^2 / 12, times the caller's factor.
       const auto rate_weight = static_cast<float>(settings_.rate * 0.1155 * step * mean_weight);
@@ -208,9 +251,9 @@ class Trainer {
 
   /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little.
   void add_shell() {
-    const auto unit = static_cast<float>(2.0 / (settings_.tolerance * settings_.tolerance));
+    const auto unit = static_cast<float>(2.0 / (input_.tolerance * input_.tolerance));
     for (Eigen::Index i = 0; i < parameters_; ++i) {
-      const auto reach = static_cast<float>(shell_share * settings_.tolerance / slot_step_(i));
+      const auto reach = static_cast<float>(shell_share * input_.tolerance / slot_step_(i));
       gradient_.row(i) += unit * reach * reach * delta_.row(i);
     }
   }
@@ -242,6 +285,9 @@ class Trainer {
 
   static constexpr double shell_share = 0.05;
 
+  static constexpr double continued = 0.35;
+
+  const TrainingInput& input_;
   const ClipLayout& layout_;
   const ParameterSteps& steps_;
   const Rows& offset_;
@@ -257,7 +303,7 @@ class Trainer {
 
 }  // namespace
 
-LevelClip train_sparse(const TrainingInput& input, MotionMap& map, const SparseSettings& settings) {
+TrainedClip train_sparse(const TrainingInput& input, MotionMap& map, const SparseSettings& settings) {
   return Trainer(input, map, settings).run();
 }
 

@@ -24,8 +24,13 @@ struct SparseSettings {
   int step_exponent = 0;
   double rate = 0.25;    ///< how much a bit weighs against error
   int iterations = 300;  ///< 0: the rounded transform
-  double tolerance = 1;  ///< world units
-  int threads = 1;
+};
+
+/// Levels before rounding: where a training ended and another may start.
+struct TrainingState {
+  int step_exponent = 0;
+  Eigen::MatrixXf anchors;               ///< moving parameters x anchor rows
+  std::vector<Eigen::MatrixXf> weights;  ///< per window: moving parameters x features
 };
 
 /// A clip ready for training.
@@ -33,11 +38,20 @@ struct TrainingInput {
   const ClipLayout* layout = nullptr;
   const ParameterSteps* steps = nullptr;
   const Rows* offset = nullptr;  ///< error rows x samples: what the rounding of fixed targets alone moves the points by
+  const Rows* emphasis = nullptr;  ///< points and morph targets x samples: how much an error counts; null: one
+  double tolerance = 1;            ///< world units
+  int threads = 1;
+  const TrainingState* start = nullptr;  ///< of the same basis and boundaries; null: from the transform
 };
 
-/// Anchors and windows of a clip (times, states, atoms and reference are left to the caller). `map` is linearised anew
-/// as needed.
-LevelClip train_sparse(const TrainingInput& input, MotionMap& map, const SparseSettings& settings);
+struct TrainedClip {
+  LevelClip levels;  ///< anchors and windows (times, states, atoms and reference are left to the caller)
+  TrainingState state;
+};
+
+/// Trains by Adam on levels that are rounded on the way forward (straight-through), with the rate of the levels in the
+/// loss. `map` is linearised anew as needed.
+TrainedClip train_sparse(const TrainingInput& input, MotionMap& map, const SparseSettings& settings);
 
 /// The level of a fixed target's parameter.
 std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, Eigen::Index parameter);

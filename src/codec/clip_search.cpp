@@ -1,0 +1,241 @@
+#include "codec/clip_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "codec/contacts.h"
+#include "codec/corrections.h"
+#include "codec/set_steps.h"
+
+namespace nmc::codec {
+namespace {
+
+/// The part of the tolerance that is aimed at: the rest covers what lies between samples and points.
+constexpr double aim = 0.985;
+
+/// How long the search for one clip may take, by effort.
+struct SearchPlan {
+  int first_iterations = 100;  ///< of the first training of each cut
+  int iterations = 100;        ///< of each later one, which starts where the best one ended
+  int trials = 8;              ///< later trainings
+  int last_iterations = 0;     ///< of one more at the best settings
+};
+
+SearchPlan plan_of(int effort) {
+  if (effort <= 1) return {60, 40, 3, 0};
+  if (effort <= 3) return {80, 60, 6, 0};
+  if (effort <= 5) return {120, 100, 10, 150};
+  if (effort <= 7) return {250, 200, 16, 400};
+  return {500, 400, 24, 1000};
+}
+
+std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length) {
+  const std::size_t last = samples - 1;
+  const std::size_t windows = std::max<std::size_t>(1, (last + length / 2) / length);
+  std::vector<std::uint32_t> boundaries;
+  for (std::size_t k = 0; k <= windows; ++k) boundaries.push_back(static_cast<std::uint32_t>(k * last / windows));
+  return boundaries;
+}
+
+/// Bases and windows worth trying for a clip.
+std::vector<SparseSettings> cuts_of(std::size_t samples) {
+  std::vector<SparseSettings> cuts;
+  const auto whole = static_cast<std::uint32_t>(samples);
+  if (samples <= 400) cuts.push_back({.basis = Basis::cosine, .boundaries = {0, whole}});
+  if (samples >= 8 && samples <= 400) cuts.push_back({.basis = Basis::periodic, .boundaries = {0, whole - 1}});
+  if (samples > 200) cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(samples, 128)});
+  return cuts;
+}
+
+/// A trained, corrected candidate.
+struct Trial {
+  SparseSettings settings;
+  TrainingState state;
+  std::size_t bytes = std::numeric_limits<std::size_t>::max();
+  bool kept = false;  ///< within the tolerance
+
+  bool beats(const Trial& other) const { return kept != other.kept ? kept : bytes < other.bytes; }
+};
+
+class ClipSearch {
+ public:
+  ClipSearch(const SearchContext& context, const PreparedClip& prepared, std::size_t index)
+      : context_(context),
+        prepared_(prepared),
+        clip_(context.source.clips[index]),
+        map_(context.source.skeleton, context.frame, prepared.layout, context.source.points, prepared.coded) {}
+
+  LevelClip run() {
+    const SearchPlan plan = plan_of(context_.effort);
+    Trial current = best_cut(plan);
+    descend(current, plan);
+    if (plan.last_iterations > 0 && best_) {
+      SparseSettings last = current.settings;
+      last.iterations = plan.last_iterations;
+      offer(last, &current.state);
+    }
+    // Where even that is not within the bound, finer and finer steps without training.
+    SparseSettings plain = current.settings;
+    plain.iterations = 0;
+    for (plain.step_exponent = 4; !best_ && plain.step_exponent <= finest; plain.step_exponent += 4)
+      offer(plain, nullptr);
+    if (best_) return *best_;
+    plain.step_exponent = finest;
+    return levels_for(plain, nullptr).levels;
+  }
+
+ private:
+  static constexpr double usual_rate = 0.2;
+  static constexpr int stride = 3;   ///< of the search, in quarters of an octave of step size
+  static constexpr int finest = 24;  ///< step exponent
+
+  Trial best_cut(const SearchPlan& plan) {
+    Trial best;
+    for (SparseSettings& settings : cuts_of(clip_.clip.times.size())) {
+      settings.step_exponent = clip_.clip.times.size() > 120 ? -3 : 1;
+      settings.rate = usual_rate;
+      settings.iterations = plan.first_iterations;
+      Trial trial = offer(settings, nullptr);
+      if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
+    }
+    return best;
+  }
+
+  /// Finer steps until the bound is kept, then whichever neighbour is smaller, as long as there is one.
+  void descend(Trial& current, const SearchPlan& plan) {
+    int left = plan.trials;
+    const auto next = [&](int exponent, double rate) {
+      SparseSettings settings = current.settings;
+      settings.step_exponent += exponent;
+      settings.rate *= rate;
+      settings.iterations = plan.iterations;
+      return offer(settings, &current.state);
+    };
+    for (int k = 0; k < 6 && !current.kept; ++k) {
+      current = next(stride, 1);
+      --left;
+    }
+    struct Move {
+      int exponent;
+      double rate;
+    };
+    std::array<Move, 4> moves{{{-stride, 1}, {stride, 1}, {0, 2}, {0, 0.5}}};
+    for (std::size_t failed = 0, at = 0; failed < moves.size() && left > 0; --left) {
+      Trial trial = next(moves[at].exponent, moves[at].rate);
+      if (trial.beats(current)) {
+        current = std::move(trial);
+        failed = 0;
+      } else {
+        ++failed;
+        at = (at + 1) % moves.size();
+      }
+    }
+  }
+
+  TrainedClip levels_for(const SparseSettings& settings, const TrainingState* start) {
+    TrainedClip trained = train_sparse({.layout = &prepared_.layout,
+                                        .steps = &prepared_.steps,
+                                        .offset = &prepared_.offset,
+                                        .emphasis = &prepared_.emphasis,
+                                        .tolerance = context_.source.tolerance,
+                                        .threads = context_.threads,
+                                        .start = start},
+                                       map_, settings);
+    trained.levels.times = clip_.clip.times;
+    trained.levels.states = prepared_.layout.states;
+    return trained;
+  }
+
+  /// Trains, corrects, and keeps the result if it is the smallest.
+  Trial offer(SparseSettings settings, const TrainingState* start) {
+    Trial trial{settings, {}, std::numeric_limits<std::size_t>::max(), false};
+    if (context_.is_late()) {
+      if (best_) return trial;
+      settings.iterations = 0;
+    }
+    TrainedClip trained = levels_for(settings, start);
+    trial.state = std::move(trained.state);
+    LevelClip& levels = trained.levels;
+    trial.bytes = bytes_of(levels);
+    if (trial.bytes >= best_bytes_) return trial;
+    // An atom costs about 14 bits.
+    const std::size_t room = best_ ? (best_bytes_ - trial.bytes) * 8 / 14 : 20 + levels.times.size();
+    trial.kept = bring_within_bound(levels, room);
+    trial.bytes = bytes_of(levels);
+    if (getenv("NMC_DBG"))
+      fprintf(stderr, "%s basis %d windows %zu exp %d rate %g its %d: bytes %zu atoms %zu room %zu kept %d\n",
+              clip_.name.c_str(), (int)settings.basis, settings.boundaries.size() - 1, settings.step_exponent,
+              settings.rate, settings.iterations, trial.bytes, levels.atoms.size(), room, trial.kept);
+    if (!trial.kept || trial.bytes >= best_bytes_) return trial;
+    best_bytes_ = trial.bytes;
+    best_ = std::move(levels);
+    return trial;
+  }
+
+  std::size_t bytes_of(const LevelClip& clip) const {
+    ClipSet alone = context_.set;
+    alone.clips = {clip};
+    const PartBits bits = count_bits(alone);
+    return static_cast<std::size_t>((bits.anchors + bits.weights + bits.atoms) / 8) + 1;
+  }
+
+  /// Corrects; measures what the levels mean between the file's keys and at every vertex; corrects further where that
+  /// is above the bound.
+  bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
+    const double tolerance = context_.source.tolerance;
+    double bound = aim * tolerance;
+    for (int round = 0; round < 6; ++round) {
+      if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, bound, most_atoms)) return false;
+      const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+      Animation decoded =
+          motion::to_animation(clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values));
+      decoded.curves.insert(decoded.curves.end(), clip_.kept.curves.begin(), clip_.kept.curves.end());
+      const std::vector<double> errors = context_.meter.profile(clip_.original, decoded).max_error;
+      const double largest = *std::max_element(errors.begin(), errors.end());
+      if (getenv("NMC_DBG"))
+        fprintf(stderr, "  check round %d bound %g largest %g atoms %zu\n", round, bound / tolerance,
+                largest / tolerance, levels.atoms.size());
+      if (largest <= 0.999 * tolerance) return true;
+      bound *= 0.99 * tolerance / largest;
+    }
+    return false;
+  }
+
+  const SearchContext& context_;
+  const PreparedClip& prepared_;
+  const ClipSource& clip_;
+  MotionMap map_;
+  std::optional<LevelClip> best_;
+  std::size_t best_bytes_ = std::numeric_limits<std::size_t>::max();
+};
+
+}  // namespace
+
+PreparedClip prepare_clip(const SearchContext& context, std::size_t index, double contact_weight) {
+  PreparedClip clip;
+  const motion::Clip& motion = context.source.clips[index].clip;
+  clip.layout = layout_clip(motion, context.frame);
+  clip.steps = steps_for(context.set, clip.layout);
+  clip.coded = clip.layout.values;
+  for (Eigen::Index i = 0; i < clip.coded.rows(); ++i)
+    if (!clip.layout.parameters[static_cast<std::size_t>(i)].moves)
+      clip.coded.row(i).setConstant(fixed_level(clip.layout, clip.steps, i) * clip.steps.anchor(i));
+  const auto positions = [&](const Eigen::MatrixXd& fixed) {
+    return MotionMap(context.source.skeleton, context.frame, clip.layout, context.source.points, fixed)
+        .positions(clip.layout.values);
+  };
+  clip.wanted = positions(clip.layout.values);
+  clip.offset = positions(clip.coded) - clip.wanted;
+  clip.emphasis =
+      contact_emphasis(clip.wanted, context.source.points.size(), motion.times, context.source.size, contact_weight);
+  return clip;
+}
+
+LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index) {
+  return ClipSearch(context, prepared, index).run();
+}
+
+}  // namespace nmc::codec

@@ -1,0 +1,44 @@
+// The search for one clip's smallest levels within the bound: windows, steps and the weight of a bit, by real bytes.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "codec/clip_layout.h"
+#include "codec/clip_set.h"
+#include "codec/motion_map.h"
+#include "codec/source.h"
+#include "codec/sparse_training.h"
+#include "motion/error.h"
+
+namespace nmc::codec {
+
+/// A clip in the set's parameters, with where its points should be.
+struct PreparedClip {
+  ClipLayout layout;
+  ParameterSteps steps;
+  Eigen::MatrixXd coded;  ///< the layout's values, fixed targets as they are coded
+  Rows wanted;            ///< positions of Source::points
+  Rows offset;            ///< what the rounding of fixed targets moves them by
+  Rows emphasis;          ///< points x samples: how much an error counts
+};
+
+/// What a search needs to know; all of it outlives the search.
+struct SearchContext {
+  const Source& source;
+  const SetFrame& frame;
+  const ClipSet& set;
+  const motion::ErrorMeter& meter;
+  std::function<bool()> is_late;  ///< no time is left: take the first result
+  int effort = 5;
+  int threads = 1;  ///< for one training
+};
+
+/// Puts clip `index` of the source into the set's parameters. `contact_weight`: how often the error of points that
+/// stand still counts.
+PreparedClip prepare_clip(const SearchContext& context, std::size_t index, double contact_weight);
+
+/// The smallest levels found. They are within the tolerance by the encoder's own measurement unless nothing is.
+LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index);
+
+}  // namespace nmc::codec
