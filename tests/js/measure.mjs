@@ -19,6 +19,7 @@ function threePlayer(three, gltf) {
   gltf.scene.traverse((object) => object.isSkinnedMesh && bones.push(...object.skeleton.bones));
   const mixer = new three.AnimationMixer(gltf.scene);
   const point = new three.Vector3();
+  let action;
   const positions = () => {
     gltf.scene.updateMatrixWorld(true);
     return bones.flatMap((bone) => bone.getWorldPosition(point).toArray());
@@ -26,12 +27,14 @@ function threePlayer(three, gltf) {
   return {
     names: gltf.animations.map(({ name }) => name),
     rest: positions(),
-    pose(index, seconds) {
+    start(index) {
       mixer.stopAllAction();
-      const action = mixer.clipAction(gltf.animations[index]);
+      action = mixer.clipAction(gltf.animations[index]);
       action.setLoop(three.LoopOnce);
       action.clampWhenFinished = true;
-      action.play();
+    },
+    pose(seconds) {
+      action.reset().play();
       mixer.setTime(seconds);
       return positions();
     },
@@ -51,6 +54,7 @@ function babylonPlayer({ animationGroups, skeletons, transformNodes, meshes }) {
   const nodes = [...new Set(skeletons.flatMap(({ bones }) => bones.map((bone) => bone.getTransformNode())))];
   const all = [...transformNodes, ...meshes];
   const rest = all.map((node) => [node.position.clone(), node.rotationQuaternion?.clone(), node.scaling.clone()]);
+  let group;
   const positions = () => {
     for (const node of all) node.computeWorldMatrix(true);
     return nodes.flatMap((node) => node.computeWorldMatrix(true) && node.getAbsolutePosition().asArray());
@@ -58,15 +62,19 @@ function babylonPlayer({ animationGroups, skeletons, transformNodes, meshes }) {
   return {
     names: animationGroups.map(({ name }) => name),
     rest: positions(),
-    pose(index, frame) {
-      for (const group of animationGroups) group.stop();
+    start(index) {
+      group = animationGroups[index];
+      for (const each of animationGroups) each.stop();
       all.forEach((node, i) => {
         node.position.copyFrom(rest[i][0]);
         if (rest[i][1]) node.rotationQuaternion.copyFrom(rest[i][1]);
         node.scaling.copyFrom(rest[i][2]);
       });
-      animationGroups[index].start(false);
-      animationGroups[index].goToFrame(frame);
+      group.start(false);
+      group.pause();
+    },
+    pose(frame) {
+      group.goToFrame(frame);
       return positions();
     },
   };
@@ -79,10 +87,12 @@ function measure([original, other], clips) {
   let difference = 0;
   let motion = 0;
   clips.forEach(({ begin, end }, index) => {
+    original.start(index);
+    other.start(index);
     for (let i = 0; i < timesPerClip; ++i) {
       const at = begin + ((end - begin) * i) / (timesPerClip - 1);
-      const expected = original.pose(index, at);
-      const actual = other.pose(index, at);
+      const expected = original.pose(at);
+      const actual = other.pose(at);
       difference = Math.max(difference, largestDistance(expected, actual) / size);
       motion = Math.max(motion, largestDistance(expected, original.rest) / size);
     }

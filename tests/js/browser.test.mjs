@@ -1,0 +1,102 @@
+// The plug-ins in Chromium: original and compressed file side by side, their joints measured and their pictures compared and kept.
+import assert from 'node:assert/strict';
+import { existsSync, mkdirSync, readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { extname, join, normalize } from 'node:path';
+import { after, before, test } from 'node:test';
+import { chromium } from 'playwright-core';
+import { compressed, noShared, noTool, root, sample, scratch, sharedFile } from './support.mjs';
+
+const executablePath = process.env.NMC_CHROMIUM ?? '/usr/bin/chromium';
+const noChromium = existsSync(executablePath) ? false : `needs Chromium (${executablePath}); set NMC_CHROMIUM`;
+const tolerance = 0.001;
+const allowed = tolerance + 1e-4;
+const pictures = join(scratch, 'pictures');
+const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.glb': 'model/gltf-binary' };
+
+let server;
+let browser;
+const served = new Map();
+
+/** Gives a file of any folder an address on the test's server. */
+function address(file) {
+  const path = `/files/${served.size}.glb`;
+  served.set(path, file);
+  return path;
+}
+
+before(async () => {
+  if (noChromium || noTool) return;
+  mkdirSync(pictures, { recursive: true });
+  server = createServer((request, response) => {
+    const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
+    const file = served.get(path) ?? join(root, path);
+    if (!existsSync(file)) return response.writeHead(404).end();
+    response.writeHead(200, { 'content-type': types[extname(file)] ?? 'application/octet-stream' }).end(readFileSync(file));
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  // Pages of the test alone are loaded; Chromium's sandbox does not start for root. Software rendering works everywhere.
+  browser = await chromium.launch({ executablePath, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'] });
+});
+
+after(async () => {
+  await browser?.close();
+  server?.close();
+});
+
+const characters = [
+  { name: 'humanoid', file: () => sample('humanoid_30hz.glb'), clips: 9, skip: false },
+  { name: 'fox', file: () => sharedFile('game/fox.glb'), clips: 3, skip: noShared('game/fox.glb') },
+  { name: 'knight', file: () => sharedFile('game/knight_76clips.glb'), clips: 76, skip: noShared('game/knight_76clips.glb') },
+];
+
+for (const { name, file, clips, skip } of characters) {
+  for (const [engine, page, ...options] of [['three.js', 'three', false], ['three.js, evaluating while playing', 'three', true], ['Babylon.js', 'babylon']]) {
+    test(`${name} in ${engine}`, { skip: noTool || noChromium || skip }, async () => {
+      const files = [file(), compressed(file(), '--tolerance', '0.1%', '--effort', '1')].map(address);
+      const { result, messages, different } = await play(page, files, options, `${name}_${page}${options[0] ? '_streaming' : ''}.png`);
+      assert.deepEqual(messages, []);
+      assert.equal(result.clips, clips);
+      assert.ok(result.motion > 0.1, 'nothing moves');
+      assert.ok(result.difference > 0 && result.difference <= allowed, `the joints differ by ${result.difference} of the size`);
+      // A thousandth of the size is less than a pixel here, so only pixels at edges may change.
+      assert.ok(different < 0.02, `${different} of the pixels differ`);
+    });
+  }
+}
+
+async function play(name, files, options, picture) {
+  const page = await browser.newPage({ viewport: { width: 808, height: 404 } });
+  const messages = [];
+  page.on('pageerror', (error) => messages.push(String(error)));
+  page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !isAboutRendering(message.text()) && messages.push(message.text()));
+  await page.goto(`http://127.0.0.1:${server.address().port}/tests/js/pages/${name}.html`);
+  await page.waitForFunction(() => window.ready, null, { timeout: 60000 });
+  const result = await page.evaluate(([urls, ...rest]) => window.play(urls, ...rest), [files, ...options]);
+  await page.screenshot({ path: join(pictures, picture) });
+  const different = await page.evaluate(differentPixels);
+  await page.close();
+  return { result, messages, different };
+}
+
+/** What Chromium says about drawing without a graphics card. */
+function isAboutRendering(text) {
+  return /GPU stall|swiftshader|GL Driver Message/i.test(text);
+}
+
+/** The share of the pixels of both canvases that differ visibly; runs in the page. Refuses empty pictures. */
+function differentPixels() {
+  const [a, b] = Array.from(document.querySelectorAll('canvas'), (canvas) => {
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
+    copy.drawImage(canvas, 0, 0);
+    return copy.getImageData(0, 0, canvas.width, canvas.height).data;
+  });
+  const far = (p, q, i, j) => Math.abs(p[i] - q[j]) + Math.abs(p[i + 1] - q[j + 1]) + Math.abs(p[i + 2] - q[j + 2]) > 48;
+  let different = 0;
+  let drawn = 0;
+  for (let i = 0; i < a.length; i += 4) {
+    if (far(a, b, i, i)) ++different;
+    if (far(a, a, i, 0)) ++drawn;
+  }
+  return drawn * 4 > a.length * 0.01 ? (different * 4) / a.length : 1;
+}
