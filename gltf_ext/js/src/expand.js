@@ -83,10 +83,10 @@ function expandDocument(json, bufferBytes) {
       added.push(keys);
       return { ...openClipSet(json, index, viewBytes(json, view, bufferBytes)), keys };
     });
-    (json.animations ?? []).forEach((animation, index) => {
+    for (let index = 0; index < (json.animations?.length ?? 0); ++index) {
       const reference = clipReference(json, index);
-      if (reference) expandAnimation(json, animation, reference, sets[reference.clipSet]);
-    });
+      if (reference) expandAnimation(json, json.animations[index], reference, sets[reference.clipSet]);
+    }
   }
   removeExtension(json);
   const used = added.filter(({ size }) => size > 0);

@@ -19,6 +19,7 @@ const isObject = (value) => typeof value === 'object' && value !== null && !Arra
  * @throws {NmcError} `extension`
  */
 export function clipReference(json, index) {
+  need(json.animations === undefined || (Array.isArray(json.animations) && json.animations.every(isObject)), 'the animations are no list');
   const reference = json.animations?.[index]?.extensions?.[EXTENSION];
   if (reference === undefined) return null;
   const sets = rootExtension(json).clipSets;
@@ -39,9 +40,11 @@ export function rootExtension(json) {
  * The channels of an animation that are motion: all but the stub's.
  * @param {object} animation of the document
  * @returns {object[]}
+ * @throws {NmcError} `extension`
  */
 export function trueChannels(animation) {
-  const channels = animation.channels ?? [];
+  const { channels, samplers } = animation;
+  need([channels, samplers].every((list) => Array.isArray(list) && list.every(isObject)), 'an animation has no list of channels and samplers');
   return animation.extensions?.[EXTENSION]?.stub === true ? channels.slice(1) : channels;
 }
 

@@ -21,6 +21,9 @@ const COUNT_A = table(144), COUNT_B = table(144), COUNT_C = table(512); // A.4.6
 const LEVEL_A = table(512), LEVEL_B = table(192), LEVEL_C = table(128), LEVEL_D = table(2048), LEVEL_E = table(512), LEVEL_F = table(256); // A.4.6.2
 const TENSOR_A = table(864), TENSOR_B = table(72); // after the last clip
 
+/** How many runs of models there are. */
+export const RUNS = runs;
+
 const crcTable = Int32Array.from({ length: 256 }, (_, byte) => {
   for (let i = 0; i < 8; ++i) byte = byte & 1 ? (byte >>> 1) ^ 0xedb88320 : byte >>> 1;
   return byte;
@@ -82,7 +85,12 @@ function checkLimits(header, most) {
  */
 export function readPayload(bytes) {
   const header = readHeader(bytes);
-  const reader = new Reader(new Decisions(bytes, header.begin, runs), header);
+  return readDecisions(new Decisions(bytes, header.begin, RUNS), header);
+}
+
+/** The same from decisions and a header's counts. */
+export function readDecisions(decisions, header) {
+  const reader = new Reader(decisions, header);
   const set = reader.readSet();
   for (let c = 0; c < header.clips; ++c) reader.readClip(c);
   reader.readNetwork();
