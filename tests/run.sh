@@ -70,6 +70,8 @@ run_node_tests() {
 }
 
 run_cpp_tests
+# Without Chromium the tests in pages skip.
+[ -n "$filter" ] || [ "$preset" != release ] || nmc_need_packages chromium || echo "Chromium cannot be installed" >&2
 # Sanitizers watch C++ alone, and the tool is ten times slower under them.
 [ -n "$filter" ] || [ "$preset" != release ] || NMC_TOOL=$build/gltf-nmc run_node_tests tests/js
 

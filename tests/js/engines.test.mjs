@@ -1,12 +1,11 @@
 // The plug-ins in Node: the package as npm packs and installs it, in three.js, Babylon.js and glTF-Transform.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, readdirSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { measureBabylon, measureThree } from './measure.mjs';
-import { channels, compressed, largestDifference, noTool, readGlb, root, runTool, sample, scratch } from './support.mjs';
+import { channels, compressed, installPackage, largestDifference, noTool, readGlb, runTool, sample, scratch } from './support.mjs';
 
 const tolerance = 0.001;
 const allowed = tolerance + 1e-4;
@@ -20,15 +19,12 @@ function load(name) {
   return import(pathToFileURL(entry).href);
 }
 
-before(() => {
+before(async () => {
   folder = mkdtempSync(join(scratch, 'consumer-'));
-  const tarball = execFileSync('npm', ['pack', '--silent', '--pack-destination', folder, join(root, 'gltf_ext/js')], { encoding: 'utf8' }).trim();
-  writeFileSync(join(folder, 'package.json'), '{"private": true, "type": "module"}');
-  const options = ['--silent', '--offline', '--no-audit', '--no-fund', '--omit=peer', '--legacy-peer-deps'];
-  execFileSync('npm', ['install', ...options, join(folder, tarball)], { cwd: folder, stdio: 'inherit' });
-  // The engines are the application's; here those of the tests.
-  const engines = join(root, 'tests/node_modules');
-  for (const name of ['three', '@babylonjs', '@gltf-transform', 'property-graph']) symlinkSync(join(engines, name), join(folder, 'node_modules', name));
+  installPackage(folder);
+  const { registerGLTFExtension } = await load('@babylonjs/loaders/glTF/2.0/index.js');
+  const { EXTENSION, nmcExtension } = await load('gltf-nmc/babylon');
+  registerGLTFExtension(EXTENSION, true, nmcExtension);
   if (noTool) return;
   files = [sample('humanoid_30hz.glb'), compressed(sample('humanoid_30hz.glb'), '--tolerance', '0.1%', '--effort', '1')];
 });
@@ -66,9 +62,6 @@ test('Babylon.js plays a compressed file', { skip: noTool }, async () => {
   const { NullEngine } = await load('@babylonjs/core/Engines/nullEngine.js');
   const { Scene } = await load('@babylonjs/core/scene.js');
   const { LoadAssetContainerAsync } = await load('@babylonjs/core/Loading/sceneLoader.js');
-  const { registerGLTFExtension } = await load('@babylonjs/loaders/glTF/2.0/index.js');
-  const { EXTENSION, nmcExtension } = await load('gltf-nmc/babylon');
-  registerGLTFExtension(EXTENSION, true, nmcExtension);
   const scene = new Scene(new NullEngine());
   const containers = [];
   for (const file of files) containers.push(await LoadAssetContainerAsync(new Uint8Array(readFileSync(file)), scene, { pluginExtension: '.glb' }));
@@ -106,3 +99,36 @@ test('glTF-Transform reads a compressed file and writes a plain one', { skip: no
   writeFileSync(join(folder, 'written.glb'), written);
   runTool('verify', files[0], join(folder, 'written.glb'), '--tolerance', '0.1%');
 });
+
+for (const option of ['--optional', '--fallback']) {
+  test(`a file written with ${option} in every loader`, { skip: noTool }, async () => {
+    const file = compressed(files[0], '--tolerance', '1%', '--effort', '1', option);
+    const bytes = readFileSync(file);
+    const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
+    const fallback = option === '--fallback';
+    const { GLTFLoader } = await load('three/addons/loaders/GLTFLoader.js');
+    const { nmcPlugin } = await load('gltf-nmc/three');
+    const without = await new GLTFLoader().parseAsync(buffer.slice(0), '');
+    const plugged = await new GLTFLoader().register(nmcPlugin()).parseAsync(buffer.slice(0), '');
+    assert.equal(without.animations[0].tracks.length, fallback ? plugged.animations[0].tracks.length : 1);
+    assert.equal(without.animations[0].duration, plugged.animations[0].duration);
+    assert.ok(plugged.animations[0].tracks.length > 50);
+
+    const { expand } = await load('gltf-nmc');
+    const plain = channels(new Uint8Array(expand(bytes)));
+    const { WebIO } = await load('@gltf-transform/core');
+    const { NMCAnimationCompression } = await load('gltf-nmc/gltf-transform');
+    const document = await new WebIO().registerExtensions([NMCAnimationCompression]).readBinary(new Uint8Array(bytes));
+    const { LoadAssetContainerAsync } = await load('@babylonjs/core/Loading/sceneLoader.js');
+    const { NullEngine } = await load('@babylonjs/core/Engines/nullEngine.js');
+    const { Scene } = await load('@babylonjs/core/scene.js');
+    const container = await LoadAssetContainerAsync(new Uint8Array(bytes), new Scene(new NullEngine()), { pluginExtension: '.glb' });
+    document.getRoot().listAnimations().forEach((animation, i) => {
+      assert.equal(animation.listChannels().length, plain[i].channels.size);
+      assert.equal(plugged.animations[i].tracks.length, plain[i].channels.size);
+      assert.equal(container.animationGroups[i].targetedAnimations.length, plain[i].channels.size);
+    });
+    // The original keys, to the bit.
+    if (fallback) assert.deepEqual(plain, channels(readFileSync(files[0])));
+  });
+}

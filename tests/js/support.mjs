@@ -1,7 +1,7 @@
 // Shared by the JavaScript tests: where things are, fixtures made once per tool, and reading plain animations out of a GLB file.
 import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
-import { existsSync, mkdirSync, readFileSync, renameSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, renameSync, symlinkSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -110,4 +110,14 @@ export function largestDifference(expected, actual) {
     if (!(difference <= largest)) largest = difference;
   }
   return largest;
+}
+
+/** Packs the npm package and installs it in a folder, as an application would; the engines there are those of the tests. */
+export function installPackage(folder) {
+  const tarball = execFileSync('npm', ['pack', '--silent', '--pack-destination', folder, join(root, 'gltf_ext/js')], { encoding: 'utf8' }).trim();
+  writeFileSync(join(folder, 'package.json'), '{"private": true, "type": "module"}');
+  const options = ['--silent', '--offline', '--no-audit', '--no-fund', '--legacy-peer-deps'];
+  execFileSync('npm', ['install', ...options, join(folder, tarball)], { cwd: folder, stdio: 'inherit' });
+  const engines = join(root, 'tests/node_modules');
+  for (const name of ['three', '@babylonjs', '@gltf-transform', 'property-graph']) symlinkSync(join(engines, name), join(folder, 'node_modules', name));
 }
