@@ -51,7 +51,11 @@ const characters = [
 ];
 
 for (const { name, file, clips, skip } of characters) {
-  for (const [engine, page, ...options] of [['three.js', 'three', false], ['three.js, evaluating while playing', 'three', true], ['Babylon.js', 'babylon']]) {
+  for (const [engine, page, ...options] of [
+    ['three.js', 'three', false],
+    ['three.js, evaluating while playing', 'three', true],
+    ['Babylon.js', 'babylon'],
+  ]) {
     test(`${name} in ${engine}`, { skip: noTool || noChromium || skip }, async () => {
       const files = [file(), compressed(file(), '--tolerance', '0.1%', '--effort', '1')].map(address);
       const { result, messages, different } = await play(page, files, options, `${name}_${page}${options[0] ? '_streaming' : ''}.png`);
@@ -69,7 +73,10 @@ async function play(name, files, options, picture) {
   const page = await browser.newPage({ viewport: { width: 808, height: 404 } });
   const messages = [];
   page.on('pageerror', (error) => messages.push(String(error)));
-  page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !isAboutRendering(message.text()) && messages.push(message.text()));
+  page.on(
+    'console',
+    (message) => ['error', 'warning'].includes(message.type()) && !isAboutRendering(message.text()) && messages.push(message.text()),
+  );
   await page.goto(`http://127.0.0.1:${server.address().port}/tests/js/pages/${name}.html`);
   await page.waitForFunction(() => window.ready, null, { timeout: 60000 });
   const result = await page.evaluate(([urls, ...rest]) => window.play(urls, ...rest), [files, ...options]);

@@ -35,11 +35,16 @@ after(() => {
  * @param {{lines?: string, values?: object}} [context] code before it, and values that it finds under their names
  */
 async function run(name, results, { lines = '', values = {} } = {}) {
-  const code = snippets.get(name).replaceAll('character.glb\')', `http://127.0.0.1:${server.address().port}/character.glb')`).replaceAll(
-    "'character.glb', scene", `'http://127.0.0.1:${server.address().port}/character.glb', scene`);
+  const code = snippets
+    .get(name)
+    .replaceAll("character.glb')", `http://127.0.0.1:${server.address().port}/character.glb')`)
+    .replaceAll("'character.glb', scene", `'http://127.0.0.1:${server.address().port}/character.glb', scene`);
   globalThis.snippetValues = values;
   const file = join(folder, `${name}.mjs`);
-  writeFileSync(file, `${lines}\nconst { ${Object.keys(values).join(', ')} } = globalThis.snippetValues;\n${code}\nexport { ${results.join(', ')} };\n`);
+  writeFileSync(
+    file,
+    `${lines}\nconst { ${Object.keys(values).join(', ')} } = globalThis.snippetValues;\n${code}\nexport { ${results.join(', ')} };\n`,
+  );
   return import(pathToFileURL(file).href);
 }
 

@@ -26,7 +26,7 @@ export class Encoder extends Decisions {
     const bit = this.bits.shift();
     const range = BigInt(this.high - this.low);
     // The exact form of A.2's middle.
-    const middle = this.low + Number(((range >> 16n) * BigInt(p)) + (((range & 65535n) * BigInt(p)) >> 16n));
+    const middle = this.low + Number((range >> 16n) * BigInt(p) + (((range & 65535n) * BigInt(p)) >> 16n));
     if (bit) this.high = middle;
     else this.low = middle + 1;
     while (this.low >>> 24 === this.high >>> 24) {

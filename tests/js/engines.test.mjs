@@ -45,7 +45,9 @@ for (const streaming of [false, true]) {
     const [original, other] = await Promise.all(
       files.map((file) => {
         const bytes = readFileSync(file);
-        return new GLTFLoader().register(nmcPlugin({ streaming })).parseAsync(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length), '');
+        return new GLTFLoader()
+          .register(nmcPlugin({ streaming }))
+          .parseAsync(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length), '');
       }),
     );
     original.animations.forEach(({ duration }, i) => assert.equal(other.animations[i].duration, duration));
@@ -64,7 +66,8 @@ test('Babylon.js plays a compressed file', { skip: noTool }, async () => {
   const { LoadAssetContainerAsync } = await load('@babylonjs/core/Loading/sceneLoader.js');
   const scene = new Scene(new NullEngine());
   const containers = [];
-  for (const file of files) containers.push(await LoadAssetContainerAsync(new Uint8Array(readFileSync(file)), scene, { pluginExtension: '.glb' }));
+  for (const file of files)
+    containers.push(await LoadAssetContainerAsync(new Uint8Array(readFileSync(file)), scene, { pluginExtension: '.glb' }));
   for (const container of containers) container.addAllToScene();
   const { clips, difference, motion } = measureBabylon(...containers);
   assert.equal(clips, 9);
@@ -123,11 +126,14 @@ for (const option of ['--optional', '--fallback']) {
     const { NullEngine } = await load('@babylonjs/core/Engines/nullEngine.js');
     const { Scene } = await load('@babylonjs/core/scene.js');
     const container = await LoadAssetContainerAsync(new Uint8Array(bytes), new Scene(new NullEngine()), { pluginExtension: '.glb' });
-    document.getRoot().listAnimations().forEach((animation, i) => {
-      assert.equal(animation.listChannels().length, plain[i].channels.size);
-      assert.equal(plugged.animations[i].tracks.length, plain[i].channels.size);
-      assert.equal(container.animationGroups[i].targetedAnimations.length, plain[i].channels.size);
-    });
+    document
+      .getRoot()
+      .listAnimations()
+      .forEach((animation, i) => {
+        assert.equal(animation.listChannels().length, plain[i].channels.size);
+        assert.equal(plugged.animations[i].tracks.length, plain[i].channels.size);
+        assert.equal(container.animationGroups[i].targetedAnimations.length, plain[i].channels.size);
+      });
     // The original keys, to the bit.
     if (fallback) assert.deepEqual(plain, channels(readFileSync(files[0])));
   });

@@ -60,7 +60,8 @@ for (const [name, file] of inputs) {
     const bytes = stream();
     assert.equal(outcome(bytes), 'fine');
     const codes = [];
-    for (let size = 0; size < bytes.length - 8; size += size < 64 ? 1 : Math.ceil(bytes.length / 60)) codes.push(outcome(size < 9 ? bytes.slice(0, size) : sign(bytes.slice(0, size))));
+    for (let size = 0; size < bytes.length - 8; size += size < 64 ? 1 : Math.ceil(bytes.length / 60))
+      codes.push(outcome(size < 9 ? bytes.slice(0, size) : sign(bytes.slice(0, size))));
     assert.ok(!codes.includes('fine'), JSON.stringify(count(codes)));
   });
 
@@ -87,7 +88,19 @@ test('headers are refused before anything is made', () => {
   assert.equal(outcome(Uint8Array.of(78, 77, 67, 1, 0, 0, 0, 0, 1)), 'checksum');
   assert.equal(outcome(header(1, 1)), 'truncated');
   // slots, targets, clips, samples, windows, anchors, weights, atoms, max_features, dense
-  for (const [place, value] of [[0, 65536], [1, 4], [2, 65536], [3, 2 ** 27 + 1], [3, 2 ** 32 - 1], [4, 3], [5, 2 ** 31], [6, 2 ** 31], [7, 2 ** 31], [8, 65536], [9, 2 ** 31]]) {
+  for (const [place, value] of [
+    [0, 65536],
+    [1, 4],
+    [2, 65536],
+    [3, 2 ** 27 + 1],
+    [3, 2 ** 32 - 1],
+    [4, 3],
+    [5, 2 ** 31],
+    [6, 2 ** 31],
+    [7, 2 ** 31],
+    [8, 65536],
+    [9, 2 ** 31],
+  ]) {
     const counts = [3, 1, 1, 2, 1, 3, 0, 0, 0, 0];
     counts[place] = value;
     if (place === 9) counts.push(1, 1, 1);
@@ -98,7 +111,8 @@ test('headers are refused before anything is made', () => {
 });
 
 test('arguments are checked', { skip: noTool }, () => {
-  for (const wrong of [undefined, null, 'NMC', [1, 2], new ArrayBuffer(8)]) assert.throws(() => openSet(wrong), { name: 'NmcError', code: 'argument' });
+  for (const wrong of [undefined, null, 'NMC', [1, 2], new ArrayBuffer(8)])
+    assert.throws(() => openSet(wrong), { name: 'NmcError', code: 'argument' });
   for (const wrong of [undefined, null, 'glTF', 3]) assert.throws(() => expand(wrong), { name: 'NmcError', code: 'argument' });
   const clip = openSet(streams(readFileSync(inputs[1][1]()))[0]).clips[0];
   assert.throws(() => clip.evaluate(0, new Float32Array(1)), { code: 'argument' });

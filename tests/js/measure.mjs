@@ -11,7 +11,10 @@ const timesPerClip = 20;
  */
 export function measureThree(three, original, other) {
   const players = [original, other].map((gltf) => threePlayer(three, gltf));
-  return measure(players, original.animations.map(({ name, duration }) => ({ name, begin: 0, end: duration })));
+  return measure(
+    players,
+    original.animations.map(({ name, duration }) => ({ name, begin: 0, end: duration })),
+  );
 }
 
 function threePlayer(three, gltf) {
@@ -47,7 +50,10 @@ function threePlayer(three, gltf) {
  */
 export function measureBabylon(original, other) {
   const players = [original, other].map(babylonPlayer);
-  return measure(players, original.animationGroups.map(({ name, from, to }) => ({ name, begin: from, end: to })));
+  return measure(
+    players,
+    original.animationGroups.map(({ name, from, to }) => ({ name, begin: from, end: to })),
+  );
 }
 
 function babylonPlayer({ animationGroups, skeletons, transformNodes, meshes }) {

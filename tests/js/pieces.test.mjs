@@ -49,7 +49,8 @@ test('numbers come back, mixed of any models', () => {
   const calls = Array.from({ length: 3000 }, () => {
     const count = [1, 2, 3, 6][Math.floor(next() * 4)];
     const value = Math.floor(2 ** (next() * 22)) - 1;
-    return { count, value: next() < 0.5 ? value : -value, runs: Array.from({ length: count }, () => Math.floor(next() * 8)), group: Math.floor(next() * 6) };
+    const runs = Array.from({ length: count }, () => Math.floor(next() * 8));
+    return { count, value: next() < 0.5 ? value : -value, runs, group: Math.floor(next() * 6) };
   });
   const run = (decisions) => calls.map(({ count, runs, group }) => (decisions.runs.set(runs), decisions.signed(group, count, 0)));
   const encoder = new Encoder(calls.map(({ value }) => value), 8);
@@ -116,7 +117,8 @@ test('a search finds the last value at or before', () => {
 });
 
 // Streams by hand. Counts: slots, targets, clips, samples, windows, anchors, weights, atoms, max_features, dense.
-const names = ['slots', 'targets', 'clips', 'samples', 'windows', 'anchors', 'weights', 'atoms', 'maxFeatures', 'dense', 'hidden0', 'hidden1', 'maxFrequencies'];
+const names = ['slots', 'targets', 'clips', 'samples', 'windows', 'anchors', 'weights', 'atoms', 'maxFeatures', 'dense'];
+names.push('hidden0', 'hidden1', 'maxFrequencies');
 
 function make(counts, numbers) {
   const header = Object.fromEntries(names.map((name, i) => [name, counts[i] ?? 0]));
@@ -170,7 +172,9 @@ test('a constant clip is the reference and its anchors', () => {
 });
 
 test('a second clip guesses from the first, and absent targets are the reference', () => {
-  const { clips } = make([3, 1, 3, 6, 3, 6, 0, 0, 0, 0], [set, 2, everyTenth, still, end, 2, 1, 1, [0, 1, 0, [1, 0, 0]], end, 2, 1, 1, [0, 0, 0], end]);
+  const second = [2, 1, 1, [0, 1, 0, [1, 0, 0]], end];
+  const third = [2, 1, 1, [0, 0, 0], end];
+  const { clips } = make([3, 1, 3, 6, 3, 6, 0, 0, 0, 0], [set, 2, everyTenth, still, end, second, third]);
   close(clips[1].evaluate(0, new Float32Array(3)), [stillPose[0] + 0.5, stillPose[1], stillPose[2]]);
   close(clips[2].evaluate(0, new Float32Array(3)), reference);
   assert.deepEqual(clips[2].decode(), []);
@@ -190,7 +194,8 @@ test('weights in all bases and windows', () => {
     const windows = basis === 2 ? [1] : [];
     // Anchors 0, then one step up in x over the window. Weights in y alone, at the step exponent 4: half a step.
     const anchors = [[0, 0, 0], ...(rows > 1 ? [[1, 0, 0]] : [])];
-    const clip = make([3, 1, 1, samples, 1, 3 * rows, 2, 0, 3, 0], [set, samples, everyTenth, basis, windows, 2, 0, anchors, 4, [0, 3, levels, 0], 0]).clips[0];
+    const numbers = [set, samples, everyTenth, basis, windows, 2, 0, anchors, 4, [0, 3, levels, 0], 0];
+    const clip = make([3, 1, 1, samples, 1, 3 * rows, 2, 0, 3, 0], numbers).clips[0];
     const [{ values }] = clip.decode();
     for (let n = 0; n < samples; ++n) {
       const length = L(basis, samples);
@@ -203,7 +208,9 @@ test('weights in all bases and windows', () => {
 
 test('several windows, even and of given lengths', () => {
   for (const [even, begins] of [[1, [0, 2, 5]], [[0, 3], [0, 3, 5]]]) {
-    const clip = make([3, 1, 1, 6, 2, 9, 1, 0, 1, 0], [set, 6, everyTenth, 2, 2, even, 2, 0, [[0, 0, 0], [2, 0, 0], [2, 0, 0]], 0, [0, 0, 0], [1, 4, 0, 0], 0]).clips[0];
+    const anchors = [[0, 0, 0], [2, 0, 0], [2, 0, 0]];
+    const weights = [0, [0, 0, 0], [1, 4, 0, 0]];
+    const clip = make([3, 1, 1, 6, 2, 9, 1, 0, 1, 0], [set, 6, everyTenth, 2, 2, even, 2, 0, anchors, weights, 0]).clips[0];
     const [{ values }] = clip.decode();
     for (let n = 0; n < 6; ++n) {
       const k = n < begins[1] ? 0 : 1;
@@ -255,7 +262,8 @@ test('a network, quantised and not', () => {
     const tensor = (values) => (quantized ? [step, values] : values);
     // Numbers: 3 + 1 + 1 + 1 + 3 + 3, a frequency, and with steps one more for each of the six tensors.
     const counts = [3, 1, 1, 4, 1, 3, 0, 0, 0, 13 + 6 * quantized, 1, 1, 1];
-    const body = [0, 1, quantized, baseStep, 0, translation, 4, everyTenth, 0, 2, 0, [0, 0, 0], end, 1, 5, tensor(W0), tensor(b0), 3, tensor(W1), tensor(b1), tensor(W2), tensor(b2)];
+    const tensors = [1, 5, tensor(W0), tensor(b0), 3, tensor(W1), tensor(b1), tensor(W2), tensor(b2)];
+    const body = [0, 1, quantized, baseStep, 0, translation, 4, everyTenth, 0, 2, 0, [0, 0, 0], end, tensors];
     const [{ values }] = make(counts, body).clips[0].decode();
     for (let n = 0; n < 4; ++n) {
       const t = n / 3;

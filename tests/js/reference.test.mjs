@@ -24,7 +24,10 @@ async function errors(bytes) {
 }
 
 function sameChannels(expected, actual) {
-  assert.deepEqual(actual.map(({ name }) => name), expected.map(({ name }) => name));
+  assert.deepEqual(
+    actual.map(({ name }) => name),
+    expected.map(({ name }) => name),
+  );
   expected.forEach((animation, i) => {
     assert.deepEqual([...actual[i].channels.keys()].sort(), [...animation.channels.keys()].sort(), animation.name);
     for (const [target, { times, values, interpolation }] of animation.channels) {
@@ -65,7 +68,12 @@ for (const { name, original, file, skip } of fixtures) {
           clip.evaluate(clip.times[n] * (1 - u) + clip.times[n + 1] * u, pose);
           for (const { target, values } of tracks) {
             const { slot, width, path } = set.targets[target];
-            const expected = between(path, values.subarray(n * width, (n + 1) * width), values.subarray((n + 1) * width, (n + 2) * width), u);
+            const expected = between(
+              path,
+              values.subarray(n * width, (n + 1) * width),
+              values.subarray((n + 1) * width, (n + 2) * width),
+              u,
+            );
             // The time above is rounded twice more than the key times.
             assert.ok(largestDifference(expected, pose.subarray(slot, slot + width)) <= 1e-4);
           }

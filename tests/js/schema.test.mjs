@@ -13,7 +13,9 @@ const ajv = new Ajv({ schemas, strict: true, allErrors: true });
 
 /** Validates the extension objects of a document; returns how many there were. */
 function validate(json) {
-  const objects = [['glTF', json.extensions], ...(json.animations ?? []).map((animation) => ['animation', animation.extensions])].filter(([, owner]) => owner?.[name]);
+  const objects = [['glTF', json.extensions], ...(json.animations ?? []).map((animation) => ['animation', animation.extensions])].filter(
+    ([, owner]) => owner?.[name],
+  );
   for (const [owner, extensions] of objects) {
     const schema = `${owner}.${name}.schema.json`;
     assert.ok(ajv.validate(schema, extensions[name]), `${schema}: ${ajv.errorsText()}`);
@@ -30,7 +32,9 @@ test('every schema is linked from the specification', () => {
 });
 
 test('the examples of the specification', () => {
-  const examples = [...readFileSync(join(root, 'gltf_ext/README.md'), 'utf8').matchAll(/```json\n(.*?)```/gs)].map(([, text]) => JSON.parse(`{${text}}`));
+  const examples = [...readFileSync(join(root, 'gltf_ext/README.md'), 'utf8').matchAll(/```json\n(.*?)```/gs)].map(([, text]) =>
+    JSON.parse(`{${text}}`),
+  );
   const [first, second] = examples;
   assert.equal(validate(first), 1);
   assert.equal(validate({ animations: [second] }), 1);
@@ -70,7 +74,14 @@ test('the schemas refuse what the specification forbids', () => {
     edit(bad);
     assert.throws(() => validate({ extensions: { [name]: bad } }), edit.toString());
   }
-  for (const bad of [{ clip: 0 }, { clipSet: 0 }, { clipSet: -1, clip: 0 }, { clipSet: 0, clip: '0' }, { clipSet: 0, clip: 0, stub: 1 }, { clipSet: 0, clip: 65535 }]) {
+  for (const bad of [
+    { clip: 0 },
+    { clipSet: 0 },
+    { clipSet: -1, clip: 0 },
+    { clipSet: 0, clip: '0' },
+    { clipSet: 0, clip: 0, stub: 1 },
+    { clipSet: 0, clip: 65535 },
+  ]) {
     assert.throws(() => validate({ animations: [{ extensions: { [name]: bad } }] }));
   }
 });

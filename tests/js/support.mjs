@@ -34,7 +34,12 @@ export function sample(name) {
 
 /** The file compressed with these options; kept in the build folder until the tool changes. */
 export function compressed(file, ...options) {
-  const key = createHash('sha256').update(readFileSync(tool)).update(readFileSync(file)).update(options.join(' ')).digest('hex').slice(0, 16);
+  const key = createHash('sha256')
+    .update(readFileSync(tool))
+    .update(readFileSync(file))
+    .update(options.join(' '))
+    .digest('hex')
+    .slice(0, 16);
   const folder = join(scratch, 'compressed');
   mkdirSync(folder, { recursive: true });
   const out = join(folder, `${key}.glb`);
@@ -54,7 +59,10 @@ export const fixtures = [
   fixture('all channels', () => sample('humanoid_all_channels.glb'), '1%'),
   fixture('props', () => sample('props.glb'), '0.1%'),
   ...['game/fox.glb', 'game/stag.glb', 'game/cesium_man.glb', 'mocap/cmuamc_02_01.glb', 'game/knight_76clips.glb'].flatMap((name) =>
-    ['0.1%', '1%'].map((tolerance) => ({ ...fixture(`${name} at ${tolerance}`, () => sharedFile(name), tolerance), skip: noTool || noShared(name) })),
+    ['0.1%', '1%'].map((tolerance) => ({
+      ...fixture(`${name} at ${tolerance}`, () => sharedFile(name), tolerance),
+      skip: noTool || noShared(name),
+    })),
   ),
   { ...fixture('fox, paper', () => sharedFile('game/fox.glb'), '1%', '--profile', 'paper'), skip: noTool || noShared('game/fox.glb') },
   fixture('quadruped, paper', () => sample('quadruped_30hz.glb'), '5%', '--profile', 'paper', '--max-frequencies', '3'),
@@ -96,7 +104,11 @@ export function channels(bytes) {
         .filter(({ target, sampler }) => target.node !== undefined && json.accessors[samplers[sampler].output].componentType === 5126)
         .map(({ target, sampler }) => [
           `${target.path} ${target.node}`,
-          { times: floats(samplers[sampler].input), values: floats(samplers[sampler].output), interpolation: samplers[sampler].interpolation ?? 'LINEAR' },
+          {
+            times: floats(samplers[sampler].input),
+            values: floats(samplers[sampler].output),
+            interpolation: samplers[sampler].interpolation ?? 'LINEAR',
+          },
         ]),
     ),
   }));
@@ -114,10 +126,13 @@ export function largestDifference(expected, actual) {
 
 /** Packs the npm package and installs it in a folder, as an application would; the engines there are those of the tests. */
 export function installPackage(folder) {
-  const tarball = execFileSync('npm', ['pack', '--silent', '--pack-destination', folder, join(root, 'gltf_ext/js')], { encoding: 'utf8' }).trim();
+  const tarball = execFileSync('npm', ['pack', '--silent', '--pack-destination', folder, join(root, 'gltf_ext/js')], {
+    encoding: 'utf8',
+  }).trim();
   writeFileSync(join(folder, 'package.json'), '{"private": true, "type": "module"}');
   const options = ['--silent', '--offline', '--no-audit', '--no-fund', '--legacy-peer-deps'];
   execFileSync('npm', ['install', ...options, join(folder, tarball)], { cwd: folder, stdio: 'inherit' });
   const engines = join(root, 'tests/node_modules');
-  for (const name of ['three', '@babylonjs', '@gltf-transform', 'property-graph']) symlinkSync(join(engines, name), join(folder, 'node_modules', name));
+  for (const name of ['three', '@babylonjs', '@gltf-transform', 'property-graph'])
+    symlinkSync(join(engines, name), join(folder, 'node_modules', name));
 }

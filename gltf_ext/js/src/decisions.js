@@ -110,6 +110,7 @@ export class Decisions {
 
   /** A mixed decision of the first `count` of `runs` at one step, with the weights from `weight` on. Doubles keep the sum exact. */
   mixed(count, step, weight) {
+    if (count === 6) return this.mixedSix(step, weight);
     const { runs, stretched, weights, models } = this;
     let sum = 0;
     for (let i = 0; i < count; ++i) {
@@ -129,13 +130,34 @@ export class Decisions {
     return bit;
   }
 
-  mixed6(step, weight) {
+  /** mixed() of six models, written out: most of the time of opening a stream goes here. */
+  mixedSix(step, weight) {
     const { runs, weights, models } = this;
-    const a0 = runs[0] * 12 + step, a1 = runs[1] * 12 + step, a2 = runs[2] * 12 + step, a3 = runs[3] * 12 + step, a4 = runs[4] * 12 + step, a5 = runs[5] * 12 + step;
-    const m0 = models[a0], m1 = models[a1], m2 = models[a2], m3 = models[a3], m4 = models[a4], m5 = models[a5];
-    const s0 = stretchTable[m0 >> 12], s1 = stretchTable[m1 >> 12], s2 = stretchTable[m2 >> 12], s3 = stretchTable[m3 >> 12], s4 = stretchTable[m4 >> 12], s5 = stretchTable[m5 >> 12];
-    const w0 = weights[weight], w1 = weights[weight + 1], w2 = weights[weight + 2], w3 = weights[weight + 3], w4 = weights[weight + 4], w5 = weights[weight + 5];
-    const sum = (s0 * w0 + s1 * w1) + (s2 * w2 + s3 * w3) + (s4 * w4 + s5 * w5);
+    const a0 = runs[0] * 12 + step,
+      a1 = runs[1] * 12 + step,
+      a2 = runs[2] * 12 + step,
+      a3 = runs[3] * 12 + step,
+      a4 = runs[4] * 12 + step,
+      a5 = runs[5] * 12 + step;
+    const m0 = models[a0],
+      m1 = models[a1],
+      m2 = models[a2],
+      m3 = models[a3],
+      m4 = models[a4],
+      m5 = models[a5];
+    const s0 = stretchTable[m0 >> 12],
+      s1 = stretchTable[m1 >> 12],
+      s2 = stretchTable[m2 >> 12],
+      s3 = stretchTable[m3 >> 12],
+      s4 = stretchTable[m4 >> 12],
+      s5 = stretchTable[m5 >> 12];
+    const w0 = weights[weight],
+      w1 = weights[weight + 1],
+      w2 = weights[weight + 2],
+      w3 = weights[weight + 3],
+      w4 = weights[weight + 4],
+      w5 = weights[weight + 5];
+    const sum = s0 * w0 + s1 * w1 + (s2 * w2 + s3 * w3) + (s4 * w4 + s5 * w5);
     const x = sum < -2047 * 65536 ? -2047 : sum >= 2047 * 65536 ? 2047 : Math.floor(sum / 65536);
     const p = mixedProbability[x + 2048];
     const bit = this.decide(p);
@@ -167,7 +189,7 @@ export class Decisions {
     let length = 0;
     while (length < limit) {
       const step = length < 11 ? length : 11;
-      const larger = count === 1 ? this.plain(this.runs[0] * 12 + step) : count === 6 ? this.mixed6(step, group * 72 + step * 6): this.mixed(count, step, (group * 12 + step) * mostRuns);
+      const larger = count === 1 ? this.plain(this.runs[0] * 12 + step) : this.mixed(count, step, (group * 12 + step) * mostRuns);
       if (!larger) break;
       ++length;
     }

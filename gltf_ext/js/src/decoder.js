@@ -88,7 +88,11 @@ class Clip {
       for (let i = 0; i < values.length; ++i) values[i] = pose[slot + (i % width)];
       return { target, times: ends, values };
     });
-    const moving = Array.from(clip.moving, (target) => ({ target, times, values: new Float32Array(times.length * this.#targets[target].width) }));
+    const moving = Array.from(clip.moving, (target) => ({
+      target,
+      times,
+      values: new Float32Array(times.length * this.#targets[target].width),
+    }));
     for (let n = 0; n <= last; ++n) {
       evaluator.move(clip, n, pose);
       for (const { target, values } of moving) {

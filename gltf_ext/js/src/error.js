@@ -18,3 +18,8 @@ export class NmcError extends Error {
     this.code = code;
   }
 }
+
+/** Throws an NmcError unless the condition holds. */
+export function need(condition, message, code = 'value') {
+  if (!condition) throw new NmcError(code, message);
+}

@@ -17,7 +17,9 @@ export function expand(glb) {
   const { json, chunks } = readGlb(bytes);
   if (!usesExtension(json)) return bytes.slice().buffer;
   const bin = chunks.find(({ type }) => type === BIN_CHUNK);
-  const plain = expandDocument(json, (index) => (index === 0 && json.buffers[0].uri === undefined ? bin?.bytes : dataUri(json.buffers[index].uri)));
+  const plain = expandDocument(json, (index) =>
+    index === 0 && json.buffers[0].uri === undefined ? bin?.bytes : dataUri(json.buffers[index].uri),
+  );
   if (plain.added.length > 0) {
     if (bin && json.buffers[0].uri === undefined) bin.bytes = appendToBin(json, bin.bytes, plain);
     else addDataUri(json, plain);
@@ -99,7 +101,8 @@ function expandAnimation(json, animation, reference, { set, nodes, keys }) {
   const inputs = new Map();
   for (const { target, times, values } of clip.decode()) {
     const { path } = set.targets[target];
-    if (!inputs.has(times)) inputs.set(times, addAccessor(json, keys, times, 'SCALAR', { min: [times[0]], max: [times[times.length - 1]] }));
+    if (!inputs.has(times))
+      inputs.set(times, addAccessor(json, keys, times, 'SCALAR', { min: [times[0]], max: [times[times.length - 1]] }));
     const output = addAccessor(json, keys, values, TYPES[path]);
     animation.channels.push({ sampler: animation.samplers.length, target: { node: nodes[target], path } });
     animation.samplers.push({ input: inputs.get(times), output });
@@ -119,7 +122,14 @@ function keepTrueChannels(animation) {
 function addAccessor(json, keys, array, type, more = {}) {
   const components = { SCALAR: 1, VEC3: 3, VEC4: 4 }[type];
   json.accessors ??= [];
-  json.accessors.push({ bufferView: keys.view, byteOffset: keys.size, componentType: 5126, count: array.length / components, type, ...more });
+  json.accessors.push({
+    bufferView: keys.view,
+    byteOffset: keys.size,
+    componentType: 5126,
+    count: array.length / components,
+    type,
+    ...more,
+  });
   keys.arrays.push(array);
   keys.size += array.byteLength;
   return json.accessors.length - 1;

@@ -1,12 +1,10 @@
 // The extension's JSON: which stream and which clip an animation has, and what its targets move. Shared by all loaders.
 import { openSet } from './decoder.js';
-import { NmcError } from './error.js';
+import { need as needOrThrow } from './error.js';
 
 export const EXTENSION = 'NMC_animation_compression';
 
-function need(condition, message) {
-  if (!condition) throw new NmcError('extension', message);
-}
+const need = (condition, message) => needOrThrow(condition, message, 'extension');
 
 const isIndex = (value, count) => Number.isInteger(value) && value >= 0 && value < count;
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
@@ -23,7 +21,10 @@ export function clipReference(json, index) {
   const reference = json.animations?.[index]?.extensions?.[EXTENSION];
   if (reference === undefined) return null;
   const sets = rootExtension(json).clipSets;
-  need(isObject(reference) && isIndex(reference.clipSet, sets.length) && isIndex(reference.clip, 65535), `animation ${index} refers to no clip`);
+  need(
+    isObject(reference) && isIndex(reference.clipSet, sets.length) && isIndex(reference.clip, 65535),
+    `animation ${index} refers to no clip`,
+  );
   return { clipSet: reference.clipSet, clip: reference.clip, stub: reference.stub === true };
 }
 
@@ -44,7 +45,10 @@ export function rootExtension(json) {
  */
 export function trueChannels(animation) {
   const { channels, samplers } = animation;
-  need([channels, samplers].every((list) => Array.isArray(list) && list.every(isObject)), 'an animation has no list of channels and samplers');
+  need(
+    [channels, samplers].every((list) => Array.isArray(list) && list.every(isObject)),
+    'an animation has no list of channels and samplers',
+  );
   return animation.extensions?.[EXTENSION]?.stub === true ? channels.slice(1) : channels;
 }
 
@@ -59,7 +63,10 @@ export function trueChannels(animation) {
 export function openClipSet(json, index, bytes) {
   const nodes = clipSetNodes(json, index);
   const set = openSet(bytes);
-  need(set.targets.length === nodes.length, `clip set ${index} has ${nodes.length} targets in the document and ${set.targets.length} in its stream`);
+  need(
+    set.targets.length === nodes.length,
+    `clip set ${index} has ${nodes.length} targets in the document and ${set.targets.length} in its stream`,
+  );
   set.targets.forEach(({ path }, t) => need(path === nodes[t].path, `target ${t} of clip set ${index} is no ${path} in the document`));
   return { set, nodes: Int32Array.from(nodes, ({ node }) => node) };
 }

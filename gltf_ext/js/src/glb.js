@@ -19,7 +19,7 @@ export function readGlb(bytes) {
   const end = view.getUint32(8, true);
   if (end > bytes.length) throw new NmcError('glb', 'the GLB file ends too early');
   const chunks = [];
-  for (let at = 12; at + 8 <= end; ) {
+  for (let at = 12; at + 8 <= end;) {
     const size = view.getUint32(at, true);
     const begin = at + 8;
     if (begin + size > end) throw new NmcError('glb', 'a chunk of the GLB file is too long');

@@ -1,6 +1,7 @@
-// Appendix A.1, A.3 and A.4 of the specification: from the bytes of a stream to the numbers of a clip set. Follows the items in order.
+// Appendix A.3 and A.4 of the specification: from the decisions of a stream to the numbers of a clip set. Follows the items in order.
 import { Decisions } from './decisions.js';
-import { NmcError } from './error.js';
+import { need } from './error.js';
+import { readHeader } from './header.js';
 
 export const PATHS = ['translation', 'rotation', 'scale', 'weights'];
 const ROTATION = 1;
@@ -23,60 +24,6 @@ const TENSOR_A = table(864), TENSOR_B = table(72); // after the last clip
 
 /** How many runs of models there are. */
 export const RUNS = runs;
-
-const crcTable = Int32Array.from({ length: 256 }, (_, byte) => {
-  for (let i = 0; i < 8; ++i) byte = byte & 1 ? (byte >>> 1) ^ 0xedb88320 : byte >>> 1;
-  return byte;
-});
-
-/** CRC-32 as in zlib. */
-export function crc32(bytes) {
-  let crc = -1;
-  for (let i = 0; i < bytes.length; ++i) crc = (crc >>> 8) ^ crcTable[(crc ^ bytes[i]) & 255];
-  return ~crc >>> 0;
-}
-
-function need(condition, message, code = 'value') {
-  if (!condition) throw new NmcError(code, message);
-}
-
-/** A.1. Returns the counts, and where the payload begins. */
-function readHeader(bytes) {
-  need(bytes.length >= 8 && bytes[0] === 78 && bytes[1] === 77 && bytes[2] === 67, 'this is no NMC stream', 'magic');
-  need(bytes[3] === 1, `version ${bytes[3]} of the stream is not known`, 'version');
-  const stored = new DataView(bytes.buffer, bytes.byteOffset).getUint32(4, true);
-  need(crc32(bytes.subarray(8)) === stored, 'the checksum does not match: the stream is damaged', 'checksum');
-  let at = 8;
-  const varint = () => {
-    let value = 0;
-    for (let i = 0; i < 5; ++i) {
-      need(at < bytes.length, 'the stream ends in its header', 'truncated');
-      const byte = bytes[at++];
-      value += (byte & 127) * 2 ** (7 * i);
-      if (byte < 128) {
-        need(value < 2 ** 32, 'a count of the header is too large', 'limit');
-        return value;
-      }
-    }
-    throw new NmcError('limit', 'a count of the header is too long');
-  };
-  const header = { hidden0: 0, hidden1: 0, maxFrequencies: 0 };
-  for (const name of ['slots', 'targets', 'clips', 'samples', 'windows', 'anchors', 'weights', 'atoms', 'maxFeatures', 'dense']) header[name] = varint();
-  if (header.dense > 0) for (const name of ['hidden0', 'hidden1', 'maxFrequencies']) header[name] = varint();
-  header.begin = at;
-  checkLimits(header, 64 * bytes.length + 65536);
-  return header;
-}
-
-function checkLimits(header, most) {
-  const limits = [
-    [header.slots, 65535], [header.targets, header.slots], [header.clips, 65535], [header.samples, 2 ** 27], [header.windows, header.samples],
-    [header.maxFeatures, 65535], [header.maxFrequencies, 65535], [header.hidden0, 4096], [header.hidden1, 4096],
-    [header.windows, most], [header.weights, most], [header.atoms, most], [header.dense, most], [header.samples, 16 * most], [header.anchors, 16 * most],
-    [header.slots * (header.maxFeatures + 1), 64 * most], [header.clips * header.targets, 64 * most], [header.windows * header.targets, 64 * most],
-  ];
-  for (const [value, limit] of limits) need(value <= limit, 'the header asks for more than the limits allow', 'limit');
-}
 
 /**
  * Reads a whole stream.
@@ -107,7 +54,9 @@ class Reader {
     this.levels = new Int32Array(header.anchors);
     // The levels that are not 0, row after row; of each row that has any, where it ends and whose it is.
     const most = header.weights;
-    this.weights = { feature: new Uint16Array(most), value: new Float64Array(most), rowEnd: new Int32Array(most), rowParameter: new Uint16Array(most) };
+    this.weights = { feature: new Uint16Array(most), value: new Float64Array(most) };
+    this.weights.rowEnd = new Int32Array(most);
+    this.weights.rowParameter = new Uint16Array(most);
     this.usedRows = 0;
     this.states = new Uint8Array(targets).fill(4);
     // What contexts remember of each slot: bit lengths of its last anchor difference and of its last count; of its last row the number of levels
@@ -130,7 +79,9 @@ class Reader {
   }
 
   checkTotals() {
-    for (const name of Object.keys(this.used)) need(this.used[name] === this.header[name], `the stream holds fewer ${name} than its header says`, 'total');
+    for (const [name, amount] of Object.entries(this.used)) {
+      need(amount === this.header[name], `the stream holds fewer ${name} than its header says`, 'total');
+    }
   }
 
   /** A.3 */
@@ -145,8 +96,17 @@ class Reader {
     const baseStep = d.float();
     const anchorExponent = this.exponent(CLIP_EXPONENT, 0, 255);
     const set = {
-      slots: header.slots, targets: [], clips: [], weights: this.weights, exactReferences, hasNetwork, hidden0: header.hidden0, hidden1: header.hidden1,
-      slotStep: new Float64Array(header.slots), anchorStep: new Float64Array(header.slots), references: new Float64Array(header.slots),
+      slots: header.slots,
+      targets: [],
+      clips: [],
+      weights: this.weights,
+      slotStep: new Float64Array(header.slots),
+      anchorStep: new Float64Array(header.slots),
+      references: new Float64Array(header.slots),
+      exactReferences,
+      hasNetwork,
+      hidden0: header.hidden0,
+      hidden1: header.hidden1,
     };
     this.set = set;
     // A.3.3
@@ -379,7 +339,10 @@ class Reader {
     const { row, around } = this;
     const end = Math.min(Math.max(count, this.lastCounts[slot]) + 1, this.rowSize - 1);
     row[count + 1] = 0;
-    for (let j = 1; j <= end; ++j) around[slot * this.rowSize + j] = j > count + 1 ? 0 : squeezed[row[j - 1] + 2 * row[j] + (j > count ? 0 : row[j + 1])];
+    for (let j = 1; j <= end; ++j) {
+      const sum = j > count + 1 ? 0 : row[j - 1] + 2 * row[j] + (j > count ? 0 : row[j + 1]);
+      around[slot * this.rowSize + j] = squeezed[sum];
+    }
     this.lastCounts[slot] = count;
   }
 

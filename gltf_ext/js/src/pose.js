@@ -153,9 +153,15 @@ export class PoseEvaluator {
     fillFeatures(clip.basis, clip.features[k], m, length, features);
     const end = clip.rowFirsts[k + 1];
     for (let r = clip.rowFirsts[k], i = r > 0 ? rowEnd[r - 1] : 0; r < end; ++r) {
+      const last = rowEnd[r] - 1;
       let sum = 0;
-      for (; i < rowEnd[r]; ++i) sum += value[i] * features[feature[i]];
-      y[rowParameter[r]] += sum;
+      let other = 0;
+      for (; i < last; i += 2) {
+        sum += value[i] * features[feature[i]];
+        other += value[i + 1] * features[feature[i + 1]];
+      }
+      if (i === last) sum += value[i] * features[feature[i++]];
+      y[rowParameter[r]] += sum + other;
     }
   }
 

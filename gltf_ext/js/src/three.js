@@ -3,7 +3,12 @@ import { AnimationClip, Interpolant, NumberKeyframeTrack, QuaternionKeyframeTrac
 import { EXTENSION, clipOf, clipReference, clipSetView, openClipSet, rootExtension, trueChannels } from './extension.js';
 
 const PROPERTIES = { translation: 'position', rotation: 'quaternion', scale: 'scale', weights: 'morphTargetInfluences' };
-const TRACKS = { translation: VectorKeyframeTrack, rotation: QuaternionKeyframeTrack, scale: VectorKeyframeTrack, weights: NumberKeyframeTrack };
+const TRACKS = {
+  translation: VectorKeyframeTrack,
+  rotation: QuaternionKeyframeTrack,
+  scale: VectorKeyframeTrack,
+  weights: NumberKeyframeTrack,
+};
 
 /**
  * What `GLTFLoader.register` takes: `new GLTFLoader().register(nmcPlugin())`.
@@ -85,7 +90,11 @@ function streamingTracks(set, clip) {
     if (clip.states[target] === 0) return;
     const rest = first.subarray(slot, slot + width);
     const make = (Track, name) => {
-      const track = new Track(name, ends, ends.flatMap(() => [...rest]));
+      const track = new Track(
+        name,
+        ends,
+        ends.flatMap(() => [...rest]),
+      );
       track.createInterpolant = (result) => new PoseInterpolant(track, shared, slot, width, result);
       return track;
     };
