@@ -8,6 +8,7 @@
 
 #include "codec/contacts.h"
 #include "codec/corrections.h"
+#include "codec/refinement.h"
 #include "codec/set_steps.h"
 
 namespace nmc::codec {
@@ -163,7 +164,17 @@ class ClipSearch {
     if (trial.bytes >= best_bytes_) return trial;
     // An atom costs about 14 bits.
     const std::size_t room = best_ ? (best_bytes_ - trial.bytes) * 8 / 14 : 20 + levels.times.size();
+    if (settings.iterations > 0)
+      repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance * 0.99);
     trial.kept = bring_within_bound(levels, room);
+    if (trial.kept) {
+      const std::size_t was = bytes_of(levels);
+      LevelClip pruned = levels;
+      prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance);
+      const std::size_t then = bytes_of(pruned);
+      const bool ok = bring_within_bound(pruned, room);
+      if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
+    }
     trial.bytes = bytes_of(levels);
     if (getenv("NMC_DBG"))
       fprintf(stderr, "%s basis %d windows %zu exp %d rate %g its %d: bytes %zu atoms %zu room %zu kept %d\n",
@@ -182,26 +193,45 @@ class ClipSearch {
     return static_cast<std::size_t>((bits.anchors + bits.weights + bits.atoms) / 8) + 1;
   }
 
-  /// Corrects; measures what the levels mean between the file's keys and at every vertex; corrects further where that
-  /// is above the bound.
+  using PerSample = Eigen::Array<float, 1, Eigen::Dynamic>;
+
+  /// Corrects; measures what the levels mean between the file's keys and at every vertex; where that is above the
+  /// bound, corrects the samples around it further.
   bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
-    const double tolerance = context_.source.tolerance;
-    double bound = aim * tolerance;
-    for (int round = 0; round < 6; ++round) {
-      if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, bound, most_atoms)) return false;
-      const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-      Animation decoded =
-          motion::to_animation(clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values));
-      decoded.curves.insert(decoded.curves.end(), clip_.kept.curves.begin(), clip_.kept.curves.end());
-      const std::vector<double> errors = context_.meter.profile(clip_.original, decoded).max_error;
-      const double largest = *std::max_element(errors.begin(), errors.end());
-      if (getenv("NMC_DBG"))
-        fprintf(stderr, "  check round %d bound %g largest %g atoms %zu\n", round, bound / tolerance,
-                largest / tolerance, levels.atoms.size());
-      if (largest <= 0.999 * tolerance) return true;
-      bound *= 0.99 * tolerance / largest;
+    constexpr int rounds = 8;
+    PerSample strictness = PerSample::Ones(prepared_.layout.values.cols());
+    for (int round = 0; round < rounds; ++round) {
+      if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance,
+                   strictness, most_atoms))
+        return false;
+      if (!tighten(error_profile(levels), strictness)) return true;
     }
     return false;
+  }
+
+  motion::ErrorProfile error_profile(const LevelClip& levels) const {
+    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    Animation decoded = motion::to_animation(clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values));
+    decoded.curves.insert(decoded.curves.end(), clip_.kept.curves.begin(), clip_.kept.curves.end());
+    return context_.meter.profile(clip_.original, decoded);
+  }
+
+  /// Makes the samples next to each time above the bound stricter. False where there is none.
+  bool tighten(const motion::ErrorProfile& profile, PerSample& strictness) const {
+    const double most = 0.999 * context_.source.tolerance, goal = 0.985 * context_.source.tolerance;
+    const std::vector<float>& times = clip_.clip.times;
+    PerSample factor = PerSample::Ones(strictness.size());
+    bool above = false;
+    for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
+      if (profile.max_error[k] <= most) continue;
+      above = true;
+      const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
+      const auto worse = static_cast<float>(std::min(profile.max_error[k] / goal, 100.0));
+      for (const std::ptrdiff_t n : {next - 1, next})
+        if (n >= 0 && n < strictness.size()) factor(n) = std::max(factor(n), worse);
+    }
+    strictness *= factor;
+    return above;
   }
 
   const SearchContext& context_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <numeric>
 #include <utility>
 
 #include "base/error.h"
@@ -111,27 +112,42 @@ std::vector<EncodedSet> encode_paper_sets(const Source& source, const CompressOp
   return sets;
 }
 
-/// One set of all clips; clips that must stay are taken out and the rest coded again.
-std::vector<EncodedSet> encode_standard_sets(const Source& source, const CompressOptions& options,
-                                             const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
-  std::vector<std::size_t> clips(source.clips.size());
-  for (std::size_t i = 0; i < clips.size(); ++i) clips[i] = i;
-  StandardEncoder encoder(source, options);
+/// Appends a set of those clips that are better off compressed (clips that must stay are taken out and the rest coded
+/// again). Returns the clips that are not within the tolerance.
+std::vector<std::size_t> encode_standard_set(const Source& source, const CompressOptions& options,
+                                             const motion::ErrorMeter& meter, std::vector<std::size_t> clips,
+                                             int precision, std::vector<ClipResult>& results,
+                                             std::vector<EncodedSet>& sets) {
+  const StandardEncoder encoder(source, options, clips, precision);
+  std::vector<std::size_t> missed;
   while (!clips.empty()) {
     EncodedSet set = encoder.encode(clips);
     judge(source, options, meter, set, results);
     std::vector<std::size_t> good;
-    for (const std::size_t i : clips)
-      if (results[static_cast<std::size_t>(source.clips[i].animation)].outcome == Outcome::compressed)
-        good.push_back(i);
+    for (const std::size_t i : clips) {
+      const Outcome outcome = results[static_cast<std::size_t>(source.clips[i].animation)].outcome;
+      if (outcome == Outcome::compressed) good.push_back(i);
+      if (outcome == Outcome::kept_over_tolerance) missed.push_back(i);
+    }
     if (good.size() == clips.size()) {
-      std::vector<EncodedSet> sets;
       sets.push_back(std::move(set));
-      return sets;
+      break;
     }
     clips = std::move(good);
   }
-  return {};
+  return missed;
+}
+
+/// One set of all clips; those for which its steps are too coarse (joints that flip by half a turn from one key to the
+/// next are in between as exact as their keys are a hundredfold) get a finer one.
+std::vector<EncodedSet> encode_standard_sets(const Source& source, const CompressOptions& options,
+                                             const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
+  std::vector<std::size_t> clips(source.clips.size());
+  std::iota(clips.begin(), clips.end(), std::size_t{0});
+  std::vector<EncodedSet> sets;
+  for (const int precision : {StandardEncoder::usual_precision, StandardEncoder::finest_precision})
+    clips = encode_standard_set(source, options, meter, clips, precision, results, sets);
+  return sets;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "codec/corrections.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -22,35 +23,31 @@ struct Candidate {
 class Corrector {
  public:
   Corrector(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-            double bound)
+            double bound, const Row& strictness)
       : clip_(clip),
         layout_(layout),
         steps_(steps),
         map_(map),
         wanted_(wanted),
         bound_(bound),
+        strictness_(strictness),
         samples_(layout.values.cols()),
         moving_(static_cast<Eigen::Index>(layout.moving.size())),
         worst_square_(samples_),
         worst_point_of_(static_cast<std::size_t>(samples_)) {}
 
   bool run(std::size_t most_atoms) {
+    std::size_t changes = 0;
     for (int round = 0; round < 8; ++round) {
       const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
-      error_ = map_.positions(now) - wanted_;
+      error_ = (map_.positions(now) - wanted_).rowwise() * strictness_;
       measure(0, samples_);
-      if (getenv("NMC_DBG")) {
-        auto l = largest();
-        fprintf(stderr, "   corr round %d largest %g at %td point %td/%td violating samples %td of %td atoms %zu\n",
-                round, l.second / bound_, l.first, worst_point_, map_.point_count(),
-                (worst_square_ > float(bound_ * bound_)).count(), samples_, clip_.atoms.size());
-      }
       if (largest().second <= bound_) return true;
       map_.linearise(0.5 * (now + layout_.values));
       // Linear predictions are off by a little: aim lower each time.
       aim_ = bound_ * (0.995 - 0.02 * round);
       while (largest().second > aim_) {
-        if (clip_.atoms.size() >= most_atoms || !add_atom()) return false;
+        if (clip_.atoms.size() >= most_atoms || ++changes > 2 * most_atoms || !add_atom()) return false;
       }
       sort_atoms();
     }
@@ -154,14 +151,15 @@ class Corrector {
                    shares * effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - from, count))
                       .square();
       square *= unit;
-      sum += square.square().square();
+      sum += (square - 0.98f).max(0.0f);
     }
   }
 
   void try_parameter(Eigen::Index moving, Eigen::Index n, std::optional<Candidate>& best) {
     const Eigen::Index reach = (Eigen::Index{1} << widest) - 1;
     const Eigen::Index from = std::max<Eigen::Index>(0, n - reach), end = std::min(samples_, n + reach + 1);
-    const Effect effect = map_.effect(moving, from, end - from);
+    Effect effect = map_.effect(moving, from, end - from);
+    effect.values.rowwise() *= strictness_.segment(from, end - from);
     const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point_) - effect.points.begin();
     if (at == std::ssize(effect.points)) return;
     const double step = step_of(moving);
@@ -195,7 +193,7 @@ class Corrector {
       for (const Eigen::Index moving : promising(n, most)) try_parameter(moving, n, best);
       if (best) break;
     }
-    if (!best) return rewrite_sample(n);
+    if (!best) return settle_sample(n) || restore_sample(n);
     const LevelAtom& atom = best->atom;
     apply(*best);
     // A second atom at the same place is added to the first.
@@ -227,8 +225,93 @@ class Corrector {
     measure(first, count);
   }
 
-  /// Where no single step helps: every parameter of the sample is brought to its true value.
-  bool rewrite_sample(Eigen::Index n) {
+  /// What one level of each moving parameter does to one sample's errors: error rows x moving parameters.
+  Eigen::MatrixXf level_effects(Eigen::Index n) const {
+    const Eigen::Index points = map_.point_count();
+    Eigen::MatrixXf effects = Eigen::MatrixXf::Zero(error_.rows(), moving_);
+    for (Eigen::Index i = 0; i < moving_; ++i) {
+      const Effect effect = map_.effect(i, n, 1);
+      for (std::size_t k = 0; k < effect.points.size(); ++k) {
+        const Eigen::Index q = effect.points[k], count = q < points ? 3 : 1;
+        effects.col(i).segment(q < points ? 3 * q : 2 * points + q, count) =
+            strictness_(n) * static_cast<float>(step_of(i)) *
+            effect.values.col(0).segment(3 * static_cast<Eigen::Index>(k), count);
+      }
+    }
+    return effects;
+  }
+
+  /// Per error row the square of its point's error in units of the aim.
+  Eigen::VectorXf squares(const Eigen::VectorXf& error) const {
+    const Eigen::Index points = map_.point_count();
+    const auto unit = static_cast<float>(1 / (aim_ * aim_));
+    Eigen::VectorXf square(error.size());
+    for (Eigen::Index q = 0; q < point_rows(); ++q) {
+      const Eigen::Index e = q < points ? 3 * q : 2 * points + q, count = q < points ? 3 : 1;
+      square.segment(e, count).setConstant(unit * error.segment(e, count).squaredNorm());
+    }
+    return square;
+  }
+
+  /// Few parameters of one sample that together bring it within the aim: matching pursuit in the eighth-power norm.
+  bool settle_sample(Eigen::Index n) {
+    constexpr Eigen::Index most = 32;
+    const Eigen::MatrixXf effects = level_effects(n);
+    const Eigen::VectorXf start = error_.col(n).matrix();
+    Eigen::VectorXf error = start, amounts;
+    std::vector<Eigen::Index> chosen;
+    while (static_cast<Eigen::Index>(chosen.size()) < std::min(most, moving_)) {
+      chosen.push_back(most_useful(effects, error, chosen));
+      Eigen::MatrixXf columns(effects.rows(), static_cast<Eigen::Index>(chosen.size()));
+      for (std::size_t k = 0; k < chosen.size(); ++k)
+        columns.col(static_cast<Eigen::Index>(k)) = effects.col(chosen[k]);
+      amounts.conservativeResizeLike(Eigen::VectorXf::Zero(columns.cols()));
+      lower_peaks(columns, start, amounts);
+      const Eigen::VectorXf levels = amounts.array().round();
+      error = start + columns * levels;
+      if (squares(error).maxCoeff() <= 1) {
+        for (std::size_t k = 0; k < chosen.size(); ++k)
+          if (const auto level = static_cast<std::int32_t>(levels(static_cast<Eigen::Index>(k))); level != 0)
+            clip_.atoms.push_back({static_cast<std::uint32_t>(n), static_cast<int>(parameter(chosen[k])), 0, level});
+        error_.col(n) = error.array();
+        measure(n, 1);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  Eigen::Index most_useful(const Eigen::MatrixXf& effects, const Eigen::VectorXf& error,
+                           const std::vector<Eigen::Index>& chosen) const {
+    const Eigen::VectorXf weight = squares(error).array().cube();
+    const Eigen::VectorXf pull = effects.transpose() * weight.cwiseProduct(error);
+    const Eigen::VectorXf norm = effects.cwiseAbs2().transpose() * weight;
+    Eigen::ArrayXf use = pull.array().abs() / (norm.array() + 1e-12f * static_cast<float>(aim_ * aim_)).sqrt();
+    for (const Eigen::Index i : chosen) use(i) = -1;
+    Eigen::Index best = 0;
+    use.maxCoeff(&best);
+    return best;
+  }
+
+  /// Iteratively reweighted least squares towards the smallest sum of eighth powers of |start + columns * amounts|.
+  void lower_peaks(const Eigen::MatrixXf& columns, const Eigen::VectorXf& start, Eigen::VectorXf& amounts) const {
+    constexpr int rounds = 12;
+    for (int round = 0; round < rounds; ++round) {
+      const Eigen::VectorXf error = start + columns * amounts;
+      const Eigen::VectorXf square = squares(error);
+      if (square.maxCoeff() < 0.9f) return;
+      const Eigen::VectorXf weight = square.array().cube() + 1e-3f;
+      const Eigen::MatrixXd weighted = (weight.asDiagonal() * columns).cast<double>();
+      Eigen::MatrixXd normal = columns.cast<double>().transpose() * weighted;
+      normal.diagonal() *= 1.001;
+      const Eigen::VectorXd step = normal.ldlt().solve(-(weighted.transpose() * error.cast<double>()));
+      if (!step.allFinite()) return;
+      amounts += (step / 4).cast<float>();
+    }
+  }
+
+  /// Where nothing smaller helps: every parameter of the sample is brought to its true value.
+  bool restore_sample(Eigen::Index n) {
     bool changed = false;
     const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
     Rows delta = Rows::Zero(moving_, 1), effect;
@@ -242,7 +325,7 @@ class Corrector {
     }
     if (!changed) return false;
     map_.errors(delta, effect, n);
-    error_.col(n) += effect.col(0);
+    error_.col(n) += strictness_(n) * effect.col(0);
     measure(n, 1);
     return true;
   }
@@ -259,18 +342,19 @@ class Corrector {
   MotionMap& map_;
   const Rows& wanted_;
   double bound_, aim_ = 0;
+  Row strictness_;
   Eigen::Index samples_, moving_;
   Eigen::Index worst_point_ = 0;
   Row worst_square_;                          ///< per sample: the largest squared error
   std::vector<Eigen::Index> worst_point_of_;  ///< per sample
-  Rows error_;
+  Rows error_;                                ///< times the strictness
 };
 
 }  // namespace
 
 bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-             double bound, std::size_t most_atoms) {
-  const bool reached = Corrector(clip, layout, steps, map, wanted, bound).run(most_atoms);
+             double bound, const Eigen::Array<float, 1, Eigen::Dynamic>& strictness, std::size_t most_atoms) {
+  const bool reached = Corrector(clip, layout, steps, map, wanted, bound, strictness).run(most_atoms);
   std::stable_sort(clip.atoms.begin(), clip.atoms.end(),
                    [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
   return reached;

@@ -10,9 +10,6 @@
 namespace nmc::codec {
 namespace {
 
-/// Anchors' steps are this much finer than slots' (2^(-exponent / 4)).
-constexpr int anchor_exponent = 10;
-
 /// Sums over clips and samples of a slot's squared reach.
 struct ReachSum {
   double square = 0;
@@ -21,13 +18,14 @@ struct ReachSum {
 };
 
 /// Per target and slot: how far a unit moves the farthest point.
-std::vector<std::vector<double>> slot_reaches(const Source& source, const SetFrame& frame, int threads) {
+std::vector<std::vector<double>> slot_reaches(const Source& source, const std::vector<std::size_t>& clips,
+                                              const SetFrame& frame, int threads) {
   std::vector<std::vector<ReachSum>> sums;
   for (const NodeTarget& target : frame.targets) sums.emplace_back(static_cast<std::size_t>(target.width));
-  std::vector<ClipLayout> layouts(source.clips.size());
-  std::vector<Eigen::VectorXd> reaches(source.clips.size());
+  std::vector<ClipLayout> layouts(clips.size());
+  std::vector<Eigen::VectorXd> reaches(clips.size());
   parallel_for(layouts.size(), threads, [&](std::size_t c) {
-    layouts[c] = layout_clip(source.clips[c].clip, frame);
+    layouts[c] = layout_clip(source.clips[clips[c]].clip, frame);
     MotionMap map(source.skeleton, frame, layouts[c], source.points, layouts[c].values, FreeParameters::all);
     map.linearise(layouts[c].values);
     reaches[c] = map.reach();
@@ -79,11 +77,12 @@ void quantise_reference(const ClipSet& set, SetTarget& made, std::size_t t, SetF
 
 }  // namespace
 
-SharedPart make_shared_part(const Source& source, int threads) {
-  std::vector<const motion::Clip*> clips;
-  for (const ClipSource& clip : source.clips) clips.push_back(&clip.clip);
-  SharedPart shared{mean_frame(source.skeleton, clips), {}};
-  const std::vector<std::vector<double>> reaches = slot_reaches(source, shared.frame, threads);
+SharedPart make_shared_part(const Source& source, const std::vector<std::size_t>& clips, int anchor_exponent,
+                            int threads) {
+  std::vector<const motion::Clip*> motions;
+  for (const std::size_t i : clips) motions.push_back(&source.clips[i].clip);
+  SharedPart shared{mean_frame(source.skeleton, motions), {}};
+  const std::vector<std::vector<double>> reaches = slot_reaches(source, clips, shared.frame, threads);
   ClipSet& set = shared.set;
   set.base_step = static_cast<float>(source.tolerance / source.size);
   set.anchor_exponent = anchor_exponent;

@@ -1,6 +1,7 @@
 // What the clips of a set share: reference pose and step sizes, found from how far each parameter moves the points.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "codec/clip_layout.h"
@@ -16,8 +17,10 @@ struct SharedPart {
 };
 
 /// Steps: one tolerance over the root mean square (over samples and clips) of the farthest point's way per unit of the
-/// parameter. Reference pose: the mean over the clips.
-SharedPart make_shared_part(const Source& source, int threads);
+/// parameter; anchors and atoms have steps finer by 2^(-anchor_exponent / 4). Reference pose: the mean over the clips
+/// (indices into Source::clips).
+SharedPart make_shared_part(const Source& source, const std::vector<std::size_t>& clips, int anchor_exponent,
+                            int threads);
 
 /// The steps of a clip's parameters.
 ParameterSteps steps_for(const ClipSet& set, const ClipLayout& layout);

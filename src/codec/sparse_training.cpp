@@ -69,26 +69,6 @@ class Trainer {
 
   TrainedClip run() {
     if (settings_.iterations > 0 && parameters_ > 0) train();
-    if (getenv("NMC_DBG") && settings_.iterations > 0) {
-      Matrix now = values();
-      delta_ = (now - truth_).array();
-      Rows e;
-      map_.errors(delta_, e);
-      e += offset_;
-      float m = 0;
-      Eigen::Index at = 0, pt = 0;
-      for (Eigen::Index q = 0; q < map_.point_count(); ++q)
-        for (Eigen::Index n = 0; n < samples_; ++n) {
-          float x = e.col(n).segment(3 * q, 3).matrix().norm();
-          if (x > m) {
-            m = x;
-            at = n;
-            pt = q;
-          }
-        }
-      fprintf(stderr, "  trained: largest linear %g at %td point %td of %td\n", m / input_.tolerance, at, pt,
-              map_.point_count());
-    }
     return {result(), state()};
   }
 

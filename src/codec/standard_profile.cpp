@@ -53,12 +53,13 @@ void choose_references(ClipSet& chosen) {
 
 }  // namespace
 
-StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& options) {
+StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& options,
+                                 const std::vector<std::size_t>& clips, int precision) {
   const auto start = std::chrono::steady_clock::now();
-  const std::size_t count = source.clips.size();
+  const std::size_t count = clips.size();
   if (count == 0) return;
   const motion::ErrorMeter meter(source.skeleton, source.all_points);
-  SharedPart shared = make_shared_part(source, options.threads);
+  SharedPart shared = make_shared_part(source, clips, precision, options.threads);
   const int threads = options.threads > 0 ? options.threads : hardware_threads();
   const SearchContext context{
       .source = source,
@@ -68,21 +69,22 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
       .is_late = [&] { return options.time_limit_seconds > 0 && seconds_since(start) > options.time_limit_seconds; },
       .effort = options.effort,
       .threads = std::max(1, threads / static_cast<int>(std::min<std::size_t>(count, 64)))};
-  std::vector<LevelClip> clips(count);
+  std::vector<LevelClip> levels(count);
   seconds_.resize(count);
   std::mutex lock;
   std::size_t done = 0;
   parallel_for(count, options.threads, [&](std::size_t i) {
     const auto clip_start = std::chrono::steady_clock::now();
-    clips[i] = search_clip(context, prepare_clip(context, i, options.contact_weight), i);
+    levels[i] = search_clip(context, prepare_clip(context, clips[i], options.contact_weight), clips[i]);
     seconds_[i] = seconds_since(clip_start);
     if (!options.progress) return;
     const std::lock_guard guard(lock);
-    options.progress(static_cast<double>(++done) / static_cast<double>(count), source.clips[i].name);
+    options.progress(static_cast<double>(++done) / static_cast<double>(count), source.clips[clips[i]].name);
   });
   targets_ = shared.frame.targets;
   set_ = std::move(shared.set);
-  set_.clips = std::move(clips);
+  set_.clips = std::move(levels);
+  for (std::size_t i = 0; i < count; ++i) place_[clips[i]] = i;
 }
 
 EncodedSet StandardEncoder::encode(const std::vector<std::size_t>& clips) const {
@@ -91,8 +93,8 @@ EncodedSet StandardEncoder::encode(const std::vector<std::size_t>& clips) const 
   ClipSet chosen = set_;
   chosen.clips.clear();
   for (const std::size_t i : clips) {
-    chosen.clips.push_back(set_.clips[i]);
-    encoded.seconds.push_back(seconds_[i]);
+    chosen.clips.push_back(set_.clips[place_.at(i)]);
+    encoded.seconds.push_back(seconds_[place_.at(i)]);
     int most = 0;
     for (const LevelWindow& window : chosen.clips.back().windows)
       for (const LevelWeight& weight : window.weights) most = std::max(most, weight.feature);

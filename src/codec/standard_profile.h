@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <vector>
 
 #include "codec/clip_set.h"
@@ -13,15 +14,22 @@ namespace nmc::codec {
 /// Trains each clip once and writes any selection of them as one set.
 class StandardEncoder {
  public:
-  StandardEncoder(const Source& source, const CompressOptions& options);
+  /// How exactly anchors and atoms are written: steps 2^(-n / 4) of what one tolerance is worth.
+  static constexpr int usual_precision = 10;
+  static constexpr int finest_precision = 30;
 
-  /// The set of the clips (indices into Source::clips, ascending). Every clip is within the tolerance by the encoder's
-  /// own measurement unless it cannot be brought there.
+  /// `clips` are indices into Source::clips, ascending.
+  StandardEncoder(const Source& source, const CompressOptions& options, const std::vector<std::size_t>& clips,
+                  int precision);
+
+  /// The set of some of the clips (indices into Source::clips, ascending). Every clip is within the tolerance by the
+  /// encoder's own measurement unless it cannot be brought there.
   EncodedSet encode(const std::vector<std::size_t>& clips) const;
 
  private:
   std::vector<NodeTarget> targets_;
-  ClipSet set_;  ///< all clips of the source
+  ClipSet set_;                               ///< its clips: those trained
+  std::map<std::size_t, std::size_t> place_;  ///< of a clip of the source among them
   std::vector<double> seconds_;
 };
 

@@ -1,0 +1,258 @@
+#include "codec/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "codec/features.h"
+
+namespace nmc::codec {
+namespace {
+
+using Row = Eigen::Array<float, 1, Eigen::Dynamic>;
+
+/// A window's levels as a matrix.
+struct DenseWindow {
+  Eigen::Index first = 0, samples = 0;
+  Eigen::MatrixXf features;  ///< features x samples
+  Eigen::VectorXf step;      ///< per moving parameter
+  Eigen::MatrixXi levels;    ///< moving parameters x features
+};
+
+/// About how many bits a level costs: the shape of the coder's numbers with usual contexts.
+double bits_of(int level) { return level == 0 ? 0.4 : 4.5 + 2.0 * std::log2(static_cast<double>(std::abs(level))); }
+
+class Refiner {
+ public:
+  Refiner(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
+          double bound)
+      : clip_(clip),
+        layout_(layout),
+        steps_(steps),
+        map_(map),
+        wanted_(wanted),
+        bound_(bound),
+        samples_(layout.values.cols()),
+        moving_(static_cast<Eigen::Index>(layout.moving.size())) {
+    std::vector<Eigen::Index> moving_of(layout.parameters.size(), -1);
+    for (Eigen::Index i = 0; i < moving_; ++i) moving_of[static_cast<std::size_t>(parameter(i))] = i;
+    for (std::size_t w = 0; w < clip.windows.size(); ++w) {
+      const LevelWindow& from = clip.windows[w];
+      DenseWindow window;
+      window.first = from.begin;
+      window.samples = w + 1 == clip.windows.size() ? samples_ - window.first : Eigen::Index{from.length};
+      int most = 0;
+      for (const LevelWeight& weight : from.weights) most = std::max(most, weight.feature);
+      window.features = window_features(clip.basis, from.length, most, window.samples).cast<float>();
+      const double scale = std::exp2(-clip.step_exponent / 4.0) * std::sqrt(2.0 / from.length);
+      window.step.resize(moving_);
+      for (Eigen::Index i = 0; i < moving_; ++i) window.step(i) = static_cast<float>(steps.slot(parameter(i)) * scale);
+      window.levels.setZero(moving_, most);
+      for (const LevelWeight& weight : from.weights)
+        window.levels(moving_of[static_cast<std::size_t>(weight.parameter)], weight.feature - 1) = weight.level;
+      windows_.push_back(std::move(window));
+    }
+    start();
+  }
+
+  void repair() {
+    constexpr int sweeps = 12;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      if (sweep == sweeps / 2) {
+        store();
+        start();
+      }
+      const double before = total_excess();
+      if (before <= 0 || !repair_once()) break;
+    }
+    store();
+  }
+
+  void prune() {
+    if (largest() > bound_) return;
+    for (DenseWindow& window : windows_) {
+      for (Eigen::Index i = 0; i < moving_; ++i) {
+        if ((window.levels.row(i).array() == 0).all()) continue;
+        const Effect effect = map_.effect(i, window.first, window.samples);
+        for (Eigen::Index j = window.levels.cols(); j-- > 0;) {
+          const int level = window.levels(i, j);
+          if (level == 0) continue;
+          const Row change = window.features.row(j).array() * (level > 0 ? -window.step(i) : window.step(i));
+          if (excess_after(effect, window.first, change) > 0) continue;
+          window.levels(i, j) -= level > 0 ? 1 : -1;
+          apply(effect, window.first, change);
+        }
+      }
+    }
+    store();
+  }
+
+ private:
+  Eigen::Index parameter(Eigen::Index i) const { return layout_.moving[static_cast<std::size_t>(i)]; }
+
+  void start() {
+    const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
+    error_ = map_.positions(now) - wanted_;
+    map_.linearise(0.5 * (now + layout_.values));
+  }
+
+  Eigen::Index first_row(Eigen::Index q) const { return q < map_.point_count() ? 3 * q : 2 * map_.point_count() + q; }
+  Eigen::Index row_count(Eigen::Index q) const { return q < map_.point_count() ? 3 : 1; }
+  Eigen::Index point_rows() const { return map_.error_rows() - 2 * map_.point_count(); }
+
+  /// What squared errors (in units of the bound) above one weigh.
+  static Row excess_of(const Row& square) { return (square - 1.0f).max(0.0f).square(); }
+
+  double largest() const {
+    float most = 0;
+    for (Eigen::Index q = 0; q < point_rows(); ++q)
+      most = std::max(most, error_.middleRows(first_row(q), row_count(q)).square().colwise().sum().maxCoeff());
+    return std::sqrt(static_cast<double>(most));
+  }
+
+  float unit() const { return static_cast<float>(1 / (bound_ * bound_)); }
+
+  double total_excess() const {
+    double sum = 0;
+    for (Eigen::Index q = 0; q < point_rows(); ++q) {
+      const Row square = error_.middleRows(first_row(q), row_count(q)).square().colwise().sum() * unit();
+      sum += static_cast<double>(excess_of(square).sum());
+    }
+    return sum;
+  }
+
+  double excess_after(const Effect& effect, Eigen::Index first, const Row& change) const {
+    const Eigen::Index count = change.size();
+    double sum = 0;
+    Row square(count);
+    for (std::size_t k = 0; k < effect.points.size(); ++k) {
+      const Eigen::Index q = effect.points[k];
+      square.setZero();
+      for (Eigen::Index a = 0; a < row_count(q); ++a)
+        square += (error_.row(first_row(q) + a).segment(first, count) +
+                   change * effect.values.row(3 * static_cast<Eigen::Index>(k) + a))
+                      .square();
+      sum += static_cast<double>(excess_of(square * unit()).sum());
+    }
+    return sum;
+  }
+
+  void apply(const Effect& effect, Eigen::Index first, const Row& change) {
+    for (std::size_t k = 0; k < effect.points.size(); ++k) {
+      const Eigen::Index q = effect.points[k];
+      for (Eigen::Index a = 0; a < row_count(q); ++a)
+        error_.row(first_row(q) + a).segment(first, change.size()) +=
+            change * effect.values.row(3 * static_cast<Eigen::Index>(k) + a);
+    }
+  }
+
+  /// The slope of the total excess by every moving parameter at every sample.
+  Eigen::MatrixXf slopes() {
+    Rows weight = Rows::Zero(error_.rows(), samples_), gradient;
+    for (Eigen::Index q = 0; q < point_rows(); ++q) {
+      const Row square = error_.middleRows(first_row(q), row_count(q)).square().colwise().sum() * unit();
+      const Row pull = 4 * unit() * (square - 1.0f).max(0.0f);
+      for (Eigen::Index a = 0; a < row_count(q); ++a)
+        weight.row(first_row(q) + a) = pull * error_.row(first_row(q) + a);
+    }
+    map_.gradient(weight, gradient);
+    return gradient.matrix();
+  }
+
+  struct Move {
+    Eigen::Index window = 0, parameter = 0;
+    double promise = 0;
+  };
+
+  /// One pass over the parameters that promise most. False where no move helped.
+  bool repair_once() {
+    const Eigen::MatrixXf gradient = slopes();
+    std::vector<Eigen::MatrixXf> slope;
+    std::vector<Move> moves;
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+      const DenseWindow& window = windows_[w];
+      slope.push_back(window.step.asDiagonal() * gradient.middleCols(window.first, window.samples) *
+                      window.features.transpose());
+      for (Eigen::Index i = 0; i < moving_; ++i) {
+        double most = 0;
+        for (Eigen::Index j = 0; j < window.levels.cols(); ++j)
+          if (window.levels(i, j) != 0) most = std::max(most, std::abs(static_cast<double>(slope.back()(i, j))));
+        if (most > 0) moves.push_back({static_cast<Eigen::Index>(w), i, most});
+      }
+    }
+    std::stable_sort(moves.begin(), moves.end(), [](const Move& a, const Move& b) { return a.promise > b.promise; });
+    const std::size_t most = std::max<std::size_t>(24, moves.size() / 4);
+    if (moves.size() > most) moves.resize(most);
+    bool moved = false;
+    for (const Move& move : moves)
+      moved = try_parameter(windows_[static_cast<std::size_t>(move.window)], move.parameter,
+                            slope[static_cast<std::size_t>(move.window)].row(move.parameter)) ||
+              moved;
+    return moved;
+  }
+
+  /// The best single step among the parameter's features.
+  bool try_parameter(DenseWindow& window, Eigen::Index i, const Eigen::RowVectorXf& slope) {
+    constexpr std::size_t most = 4;
+    std::vector<Eigen::Index> order;
+    for (Eigen::Index j = 0; j < window.levels.cols(); ++j)
+      if (window.levels(i, j) != 0 && slope(j) != 0) order.push_back(j);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](Eigen::Index a, Eigen::Index b) { return std::abs(slope(a)) > std::abs(slope(b)); });
+    if (order.size() > most) order.resize(most);
+    const Effect effect = map_.effect(i, window.first, window.samples);
+    const double before = excess_after(effect, window.first, Row::Zero(window.samples));
+    double best_gain = 0;
+    Eigen::Index best = -1;
+    for (const Eigen::Index j : order) {
+      const int direction = slope(j) > 0 ? -1 : 1;
+      const Row change = window.features.row(j).array() * (window.step(i) * static_cast<float>(direction));
+      const double fall = before - excess_after(effect, window.first, change);
+      const double bits = bits_of(window.levels(i, j) + direction) - bits_of(window.levels(i, j));
+      const double gain = fall / std::max(1.0, 4 + bits);
+      if (fall > 1e-4 * before && gain > best_gain) {
+        best_gain = gain;
+        best = j;
+      }
+    }
+    if (best < 0) return false;
+    const int direction = slope(best) > 0 ? -1 : 1;
+    window.levels(i, best) += direction;
+    apply(effect, window.first, window.features.row(best).array() * (window.step(i) * static_cast<float>(direction)));
+    return true;
+  }
+
+  void store() {
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+      std::vector<LevelWeight>& weights = clip_.windows[w].weights;
+      weights.clear();
+      for (Eigen::Index i = 0; i < moving_; ++i)
+        for (Eigen::Index j = 0; j < windows_[w].levels.cols(); ++j)
+          if (const int level = windows_[w].levels(i, j); level != 0)
+            weights.push_back({static_cast<int>(j) + 1, static_cast<int>(parameter(i)), level});
+    }
+  }
+
+  LevelClip& clip_;
+  const ClipLayout& layout_;
+  const ParameterSteps& steps_;
+  MotionMap& map_;
+  const Rows& wanted_;
+  double bound_;
+  Eigen::Index samples_, moving_;
+  std::vector<DenseWindow> windows_;
+  Rows error_;
+};
+
+}  // namespace
+
+void repair(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
+            double bound) {
+  if (!layout.moving.empty()) Refiner(clip, layout, steps, map, wanted, bound).repair();
+}
+
+void prune(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
+           double bound) {
+  if (!layout.moving.empty()) Refiner(clip, layout, steps, map, wanted, bound).prune();
+}
+
+}  // namespace nmc::codec
