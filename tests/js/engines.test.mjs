@@ -105,7 +105,8 @@ test('glTF-Transform reads a compressed file and writes a plain one', { skip: no
 
 for (const option of ['--optional', '--fallback']) {
   test(`a file written with ${option} in every loader`, { skip: noTool }, async () => {
-    const file = compressed(files[0], '--tolerance', '1%', '--effort', '1', option);
+    const original = sample('quadruped_30hz.glb');
+    const file = compressed(original, '--tolerance', '5%', '--effort', '1', option);
     const bytes = readFileSync(file);
     const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
     const fallback = option === '--fallback';
@@ -115,7 +116,7 @@ for (const option of ['--optional', '--fallback']) {
     const plugged = await new GLTFLoader().register(nmcPlugin()).parseAsync(buffer.slice(0), '');
     assert.equal(without.animations[0].tracks.length, fallback ? plugged.animations[0].tracks.length : 1);
     assert.equal(without.animations[0].duration, plugged.animations[0].duration);
-    assert.ok(plugged.animations[0].tracks.length > 50);
+    assert.ok(plugged.animations[0].tracks.length > 30);
 
     const { expand } = await load('gltf-nmc');
     const plain = channels(new Uint8Array(expand(bytes)));
@@ -135,6 +136,6 @@ for (const option of ['--optional', '--fallback']) {
         assert.equal(container.animationGroups[i].targetedAnimations.length, plain[i].channels.size);
       });
     // The original keys, to the bit.
-    if (fallback) assert.deepEqual(plain, channels(readFileSync(files[0])));
+    if (fallback) assert.deepEqual(plain, channels(readFileSync(original)));
   });
 }

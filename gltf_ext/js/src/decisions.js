@@ -23,6 +23,11 @@ for (let q = 0, x = -2047; q < 4096; ++q) {
   stretchTable[q] = x;
 }
 
+/** x + 2048 of a mixed decision. What is rounded towards 0 is positive, so it is rounded down. */
+function mixedIndex(sum) {
+  return sum < -2047 * 65536 ? 1 : sum >= 2047 * 65536 ? 4095 : (sum / 65536 + 2048) | 0;
+}
+
 const rates = Int32Array.from({ length: 61 }, (_, n) => Math.floor(131072 / (2 * n + 3)));
 const groups = 6;
 const mostRuns = 6;
@@ -118,8 +123,7 @@ export class Decisions {
       stretched[i] = s;
       sum += weights[weight + i] * s;
     }
-    const x = sum < -2047 * 65536 ? -2047 : sum >= 2047 * 65536 ? 2047 : Math.floor(sum / 65536);
-    const p = mixedProbability[x + 2048];
+    const p = mixedProbability[mixedIndex(sum)];
     const bit = this.decide(p);
     const error = ((bit << 16) - p) * 6;
     for (let i = 0; i < count; ++i) {
@@ -158,8 +162,7 @@ export class Decisions {
       w4 = weights[weight + 4],
       w5 = weights[weight + 5];
     const sum = s0 * w0 + s1 * w1 + (s2 * w2 + s3 * w3) + (s4 * w4 + s5 * w5);
-    const x = sum < -2047 * 65536 ? -2047 : sum >= 2047 * 65536 ? 2047 : Math.floor(sum / 65536);
-    const p = mixedProbability[x + 2048];
+    const p = mixedProbability[mixedIndex(sum)];
     const bit = this.decide(p);
     const error = ((bit << 16) - p) * 6;
     weights[weight] = w0 + ((Math.imul(s0, error) + 524288) >> 20);

@@ -88,15 +88,15 @@ class Clip {
       for (let i = 0; i < values.length; ++i) values[i] = pose[slot + (i % width)];
       return { target, times: ends, values };
     });
-    const moving = Array.from(clip.moving, (target) => ({
-      target,
-      times,
-      values: new Float32Array(times.length * this.#targets[target].width),
-    }));
+    const moving = Array.from(clip.moving, (target) => {
+      return { target, times, values: new Float32Array(times.length * this.#targets[target].width) };
+    });
+    const places = Array.from(clip.moving, (target) => this.#targets[target]);
     for (let n = 0; n <= last; ++n) {
       evaluator.move(clip, n, pose);
-      for (const { target, values } of moving) {
-        const { slot, width } = this.#targets[target];
+      for (let k = 0; k < moving.length; ++k) {
+        const { values } = moving[k];
+        const { slot, width } = places[k];
         for (let a = 0, i = n * width; a < width; ++a, ++i) values[i] = pose[slot + a];
       }
     }
