@@ -72,18 +72,16 @@ class ClipSearch {
   LevelClip run() {
     const SearchPlan plan = plan_of(context_.effort);
     Trial current = best_cut(plan);
-    descend(current, plan);
-    if (plan.last_iterations > 0 && best_) {
+    if (!current.kept) current = first_within_bound(current, plan);
+    if (current.kept) descend(current, plan);
+    if (plan.last_iterations > 0 && current.kept) {
       SparseSettings last = current.settings;
       last.iterations = plan.last_iterations;
       offer(last, &current.state);
     }
-    // Where even that is not within the bound, finer and finer steps without training.
+    if (best_) return *best_;
     SparseSettings plain = current.settings;
     plain.iterations = 0;
-    for (plain.step_exponent = 4; !best_ && plain.step_exponent <= finest; plain.step_exponent += 4)
-      offer(plain, nullptr);
-    if (best_) return *best_;
     plain.step_exponent = finest;
     return levels_for(plain, nullptr).levels;
   }
@@ -105,27 +103,37 @@ class ClipSearch {
     return best;
   }
 
-  /// Finer steps until the bound is kept, then whichever neighbour is smaller, as long as there is one.
-  void descend(Trial& current, const SearchPlan& plan) {
-    int left = plan.trials;
-    const auto next = [&](int exponent, double rate) {
-      SparseSettings settings = current.settings;
-      settings.step_exponent += exponent;
-      settings.rate *= rate;
-      settings.iterations = plan.iterations;
-      return offer(settings, &current.state);
-    };
-    for (int k = 0; k < 6 && !current.kept; ++k) {
-      current = next(stride, 1);
-      --left;
+  Trial neighbour(const Trial& current, int exponent, double rate, int iterations) {
+    SparseSettings settings = current.settings;
+    settings.step_exponent += exponent;
+    settings.rate *= rate;
+    settings.iterations = iterations;
+    return offer(settings, &current.state);
+  }
+
+  /// Finer steps until the bound is kept; at last without training.
+  Trial first_within_bound(const Trial& coarse, const SearchPlan& plan) {
+    Trial trial = coarse;
+    for (int k = 0; k < 4 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.iterations);
+    SparseSettings plain = coarse.settings;
+    plain.iterations = 0;
+    for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4) {
+      trial = offer(plain, nullptr);
+      trial.settings.rate = usual_rate / 4;
     }
+    return trial;
+  }
+
+  /// Whichever neighbour is smaller, as long as there is one.
+  void descend(Trial& current, const SearchPlan& plan) {
     struct Move {
       int exponent;
       double rate;
     };
-    std::array<Move, 4> moves{{{-stride, 1}, {stride, 1}, {0, 2}, {0, 0.5}}};
+    constexpr std::array<Move, 4> moves{{{-stride, 1}, {stride, 1}, {0, 2}, {0, 0.5}}};
+    int left = plan.trials;
     for (std::size_t failed = 0, at = 0; failed < moves.size() && left > 0; --left) {
-      Trial trial = next(moves[at].exponent, moves[at].rate);
+      Trial trial = neighbour(current, moves[at].exponent, moves[at].rate, plan.iterations);
       if (trial.beats(current)) {
         current = std::move(trial);
         failed = 0;
@@ -163,7 +171,7 @@ class ClipSearch {
     trial.bytes = bytes_of(levels);
     if (trial.bytes >= best_bytes_) return trial;
     // An atom costs about 14 bits.
-    const std::size_t room = best_ ? (best_bytes_ - trial.bytes) * 8 / 14 : 20 + levels.times.size();
+    const std::size_t room = best_ ? (best_bytes_ - trial.bytes) * 8 / 14 : 20 + 2 * levels.times.size();
     if (settings.iterations > 0)
       repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance * 0.99);
     trial.kept = bring_within_bound(levels, room);
@@ -176,10 +184,6 @@ class ClipSearch {
       if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
     }
     trial.bytes = bytes_of(levels);
-    if (getenv("NMC_DBG"))
-      fprintf(stderr, "%s basis %d windows %zu exp %d rate %g its %d: bytes %zu atoms %zu room %zu kept %d\n",
-              clip_.name.c_str(), (int)settings.basis, settings.boundaries.size() - 1, settings.step_exponent,
-              settings.rate, settings.iterations, trial.bytes, levels.atoms.size(), room, trial.kept);
     if (!trial.kept || trial.bytes >= best_bytes_) return trial;
     best_bytes_ = trial.bytes;
     best_ = std::move(levels);

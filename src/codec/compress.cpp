@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <mutex>
-#include <numeric>
 #include <utility>
 
 #include "base/error.h"
@@ -138,15 +139,33 @@ std::vector<std::size_t> encode_standard_set(const Source& source, const Compres
   return missed;
 }
 
-/// One set of all clips; those for which its steps are too coarse (joints that flip by half a turn from one key to the
-/// next are in between as exact as their keys are a hundredfold) get a finer one.
+/// A joint that turns by nearly half a turn from one key to the next is in between as exact as its keys are many times
+/// over: which way it turns depends on the last bits.
+bool has_flips(const motion::Clip& clip) {
+  constexpr double half_turn_share = 0.95;
+  for (const motion::Track& track : clip.tracks) {
+    if (track.path != Path::rotation) continue;
+    for (std::size_t k = 4; k < track.values.size(); k += 4) {
+      double dot = 0;
+      for (std::size_t a = 0; a < 4; ++a)
+        dot += static_cast<double>(track.values[k + a]) * static_cast<double>(track.values[k + a - 4]);
+      if (std::abs(dot) < std::cos(half_turn_share * glm::half_pi<double>())) return true;
+    }
+  }
+  return false;
+}
+
+/// One set of all clips, another with finer steps for those that need it.
 std::vector<EncodedSet> encode_standard_sets(const Source& source, const CompressOptions& options,
                                              const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
-  std::vector<std::size_t> clips(source.clips.size());
-  std::iota(clips.begin(), clips.end(), std::size_t{0});
+  std::vector<std::size_t> usual, fine;
+  for (std::size_t i = 0; i < source.clips.size(); ++i) (has_flips(source.clips[i].clip) ? fine : usual).push_back(i);
   std::vector<EncodedSet> sets;
-  for (const int precision : {StandardEncoder::usual_precision, StandardEncoder::finest_precision})
-    clips = encode_standard_set(source, options, meter, clips, precision, results, sets);
+  const std::vector<std::size_t> missed =
+      encode_standard_set(source, options, meter, usual, StandardEncoder::usual_precision, results, sets);
+  fine.insert(fine.end(), missed.begin(), missed.end());
+  std::sort(fine.begin(), fine.end());
+  encode_standard_set(source, options, meter, fine, StandardEncoder::finest_precision, results, sets);
   return sets;
 }
 

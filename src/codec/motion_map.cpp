@@ -347,10 +347,14 @@ void load(const Rows& from, const Overlap& part, LaneRows& to) {
     to.col(r).segment(part.lane, part.size) = from.row(r).segment(part.column, part.size).transpose();
 }
 
+/// The largest weight of a squared error, and how much of it counts in the mean that rates are weighed against: a few
+/// peaks should be lowered, not make all bits dear.
+constexpr float most_weight = 100.0f, most_counted = 2.0f;
+
 Lanes weight_of(const Lanes& square, int power) {
   if (power == 2) return Lanes::Constant(1.05f);
-  if (power == 4) return square.min(100.0f) + 0.05f;
-  return (square * square).min(100.0f) + 0.05f;
+  if (power == 4) return square.min(most_weight) + 0.05f;
+  return (square * square).min(most_weight) + 0.05f;
 }
 
 }  // namespace
@@ -406,9 +410,10 @@ double MotionMap::descend_block(Eigen::Index block, const Rows& delta, const Row
   double sum = 0;
   const auto weigh = [&](const Lanes& square, Eigen::Index row) {
     Lanes weight = weight_of(square * unit, loss.power);
+    sum += static_cast<double>(weight.head(part.size).min(most_counted).sum());
     if (loss.emphasis)
       weight.segment(part.lane, part.size) *= loss.emphasis->row(row).segment(part.column, part.size).transpose();
-    sum += static_cast<double>(weight.head(part.size).sum());
+
     return Lanes(2 * unit * weight);
   };
   for (Eigen::Index q = 0; q < point_count(); ++q) {
