@@ -114,7 +114,7 @@ class ClipSearch {
   /// Finer steps until the bound is kept; at last without training.
   Trial first_within_bound(const Trial& coarse, const SearchPlan& plan) {
     Trial trial = coarse;
-    for (int k = 0; k < 4 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.iterations);
+    for (int k = 0; k < 2 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.iterations);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4) {
@@ -170,8 +170,9 @@ class ClipSearch {
     LevelClip& levels = trained.levels;
     trial.bytes = bytes_of(levels);
     if (trial.bytes >= best_bytes_) return trial;
-    // An atom costs about 14 bits.
-    const std::size_t room = best_ ? (best_bytes_ - trial.bytes) * 8 / 14 : 20 + 2 * levels.times.size();
+    // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
+    const std::size_t room =
+        20 + std::min(trial.bytes, best_ ? best_bytes_ - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
     if (settings.iterations > 0)
       repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance * 0.99);
     trial.kept = bring_within_bound(levels, room);

@@ -167,7 +167,9 @@ class Corrector {
     excess(effect, from, from, Row::Zero(end - from), before);
     bool found = false;
     for (const std::int32_t level : levels_for(effect.values.col(n - from).segment<3>(3 * at), n, step)) {
-      for (int width = 0; width <= widest; ++width) {
+      double last_gain = 0;
+      int falls = 0;
+      for (int width = 0; width <= widest && falls < 2; ++width) {
         const Eigen::Index half = (Eigen::Index{1} << width) - 1;
         const Eigen::Index first = std::max(from, n - half), last = std::min(end, n + half + 1);
         Row shares(last - first);
@@ -176,6 +178,8 @@ class Corrector {
         excess(effect, from, first, shares, after);
         const double fall = static_cast<double>((before.segment(first - from, last - first) - after).sum());
         const double gain = fall / (18 + 2 * std::log2(std::abs(level) + 1));
+        falls = gain < last_gain ? falls + 1 : 0;
+        last_gain = gain;
         if (gain > 0 && (!best || gain > best->gain)) {
           best = Candidate{
               {static_cast<std::uint32_t>(n), static_cast<int>(parameter(moving)), width, level}, gain, {}, from};

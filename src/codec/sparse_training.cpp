@@ -115,15 +115,14 @@ class Trainer {
       window.shares = anchor_shares(settings_.basis, window.length, window.samples).cast<float>();
       const double scale = std::exp2(-settings_.step_exponent / 4.0) * std::sqrt(2.0 / window.length);
       window.step = slot_step_ * static_cast<float>(scale);
-      if (input_.start)
-        continue_weights(window, w);
-      else
-        start_weights(window, w);
+      start_weights(window, w);
       windows_.push_back(std::move(window));
     }
   }
 
-  void start_weights(Window& window, std::size_t w) {
+  /// The transform of what the anchors leave, in levels: parameters x features, up to the last feature that could
+  /// matter at these steps.
+  Matrix transform(const Window& window, std::size_t w) const {
     const Eigen::Index limit = feature_limit(settings_.basis, window.length);
     const Matrix all = window_features(settings_.basis, window.length, limit, window.samples).cast<float>();
     Matrix rest = truth_.middleCols(window.first, window.samples) - anchor_values(window, w);
@@ -132,19 +131,24 @@ class Trainer {
     if (settings_.basis == Basis::periodic && window.length % 2 == 0 && limit >= 1)
       levels.col(limit - 1) *= 0.5f;  // the cosine at half the rate
     levels.array().colwise() /= window.step.array();
-    // Features beyond the last level that could matter stay out.
     Eigen::Index count = parameters_ > 0 ? limit : 0;
     while (count > 0 && levels.col(count - 1).cwiseAbs().maxCoeff() < 0.5f) --count;
-    count = std::min(limit, count);
-    window.features = all.topRows(count);
-    window.weights.start(levels.leftCols(count));
+    return levels.leftCols(count);
   }
 
-  void continue_weights(Window& window, std::size_t w) {
-    const Matrix& levels = input_.start->weights[w];
+  void start_weights(Window& window, std::size_t w) {
+    Matrix levels = transform(window, w);
+    if (input_.start) levels = continued_levels(input_.start->weights[w], levels.cols());
     window.features = window_features(settings_.basis, window.length, levels.cols(), window.samples).cast<float>();
+    window.weights.start(std::move(levels));
+  }
+
+  /// Levels of an earlier training at these steps; features that it did not have are zero.
+  Matrix continued_levels(const Matrix& earlier, Eigen::Index least) const {
+    Matrix levels = Matrix::Zero(parameters_, std::max(least, earlier.cols()));
     const double finer = std::exp2((settings_.step_exponent - input_.start->step_exponent) / 4.0);
-    window.weights.start(levels * static_cast<float>(finer));
+    levels.leftCols(earlier.cols()) = earlier * static_cast<float>(finer);
+    return levels;
   }
 
   TrainingState state() const {
