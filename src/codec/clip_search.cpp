@@ -180,7 +180,6 @@ class ClipSearch {
       const std::size_t was = bytes_of(levels);
       LevelClip pruned = levels;
       prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance);
-      const std::size_t then = bytes_of(pruned);
       const bool ok = bring_within_bound(pruned, room);
       if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
     }
