@@ -285,14 +285,22 @@ static const double nmc__pi = 3.14159265358979323846;
 
 static int64_t nmc__round(double x) { return (int64_t)(x < 0 ? x - 0.5 : x + 0.5); }
 
+/* sin x / x and cos x of y = x * x, |x| <= pi / 4, error below 1e-11. */
+static double nmc__sine_ratio(double y) {
+  return 1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880 - y * (1.0 / 39916800)))));
+}
+
+static double nmc__cosine(double y) {
+  return 1 + y * (-1.0 / 2 +
+                  y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320 + y * (-1.0 / 3628800 + y * (1.0 / 479001600))))));
+}
+
 /* sin and cos of 2 pi turns, |turns| < 2^52, error below 1e-11; of anything else those of 0, so that a stream with
  * senseless values is harmless. */
 static void nmc__sin_cos(double turns, double *sine, double *cosine) {
   const double quarter = turns > -4e15 && turns < 4e15 ? (double)nmc__round(turns * 4) : 0;
   const double x = turns > -4e15 && turns < 4e15 ? (turns - quarter / 4) * 2 * nmc__pi : 0, y = x * x;
-  const double s = x * (1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880 - y / 39916800)))));
-  const double c =
-      1 + y * (-0.5 + y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320 + y * (-1.0 / 3628800 + y / 479001600)))));
+  const double s = x * nmc__sine_ratio(y), c = nmc__cosine(y);
   switch ((int64_t)quarter & 3) {
     case 0:
       *sine = s;
@@ -1339,18 +1347,24 @@ static void nmc__code_payload(nmc__coder *c, nmc_set *set) {
 /* ---- From levels to values ---- */
 
 static void nmc__rotation(const double *v, const double *reference, float *q) {
-  const double angle = NMC_SQRT(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
   double s, c, e[3], r[4], length;
   int i;
-  nmc__sin_cos(angle / (4 * nmc__pi), &s, &c);
-  s = angle > 1e-12 ? s / angle : 0.5;
+  if (square < 2) { /* half the angle is below pi / 4 */
+    s = 0.5 * nmc__sine_ratio(square / 4);
+    c = nmc__cosine(square / 4);
+  } else {
+    const double angle = NMC_SQRT(square);
+    nmc__sin_cos(angle / (4 * nmc__pi), &s, &c);
+    s /= angle;
+  }
   for (i = 0; i < 3; ++i) e[i] = v[i] * s;
   r[0] = reference[3] * e[0] + reference[0] * c + reference[1] * e[2] - reference[2] * e[1];
   r[1] = reference[3] * e[1] + reference[1] * c + reference[2] * e[0] - reference[0] * e[2];
   r[2] = reference[3] * e[2] + reference[2] * c + reference[0] * e[1] - reference[1] * e[0];
   r[3] = reference[3] * c - reference[0] * e[0] - reference[1] * e[1] - reference[2] * e[2];
-  length = NMC_SQRT(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-  for (i = 0; i < 4; ++i) q[i] = (float)(r[i] / length);
+  length = 1 / NMC_SQRT(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
+  for (i = 0; i < 4; ++i) q[i] = (float)(r[i] * length);
 }
 
 static nmc_result nmc__settle_references(nmc_set *set) {
@@ -1631,18 +1645,34 @@ nmc_result nmc_sample(const nmc_set *set, uint32_t index, uint32_t n, float *pos
   return NMC_OK;
 }
 
+/* sin(u x) / sin x of z = cos x - 1, 0 <= u <= 1, -0.12 <= z <= 0, error below 1e-11: the series in z, whose factors
+ * are (u^2 - k^2) / (k (2 k + 1)). */
+static double nmc__share(double u, double z) {
+  const double w = u * u;
+  return u * (1 + z * (w - 1) * (1.0 / 3) *
+                      (1 + z * (w - 4) * (1.0 / 10) *
+                               (1 + z * (w - 9) * (1.0 / 21) *
+                                        (1 + z * (w - 16) * (1.0 / 36) *
+                                                 (1 + z * (w - 25) * (1.0 / 55) *
+                                                          (1 + z * (w - 36) * (1.0 / 78) *
+                                                                   (1 + z * (w - 49) * (1.0 / 105) *
+                                                                            (1 + z * (w - 64) * (1.0 / 136)))))))));
+}
+
 static void nmc__slerp(const float *a, const float *b, double u, float *out) {
-  double dot = 0, away = 0, sign, angle, s, wa, wb, q[4], length = 0, sa, sb, unused;
+  double dot = 0, sign, wa, wb, q[4], length = 0;
   int i;
   for (i = 0; i < 4; ++i) dot += (double)a[i] * b[i];
   sign = dot < 0 ? -1 : 1;
   dot *= sign;
   if (dot > 1) dot = 1;
-  for (i = 0; i < 4; ++i) away += (sign * b[i] - dot * a[i]) * (sign * b[i] - dot * a[i]);
-  s = NMC_SQRT(away);
-  wa = 1 - u;
-  wb = u;
-  if (s > 1e-9) {
+  if (dot >= 0.88) {
+    wa = nmc__share(1 - u, dot - 1);
+    wb = nmc__share(u, dot - 1);
+  } else {
+    double away = 0, angle, s, sa, sb, unused;
+    for (i = 0; i < 4; ++i) away += (sign * b[i] - dot * a[i]) * (sign * b[i] - dot * a[i]);
+    s = NMC_SQRT(away);
     angle = nmc__angle(s, dot);
     nmc__sin_cos((1 - u) * angle / (2 * nmc__pi), &sa, &unused);
     nmc__sin_cos(u * angle / (2 * nmc__pi), &sb, &unused);
@@ -1653,8 +1683,8 @@ static void nmc__slerp(const float *a, const float *b, double u, float *out) {
     q[i] = wa * a[i] + wb * sign * b[i];
     length += q[i] * q[i];
   }
-  length = NMC_SQRT(length);
-  for (i = 0; i < 4; ++i) out[i] = (float)(q[i] / length);
+  length = 1.5 - 0.5 * length; /* 1 / sqrt(length) of what is 1 but for rounding */
+  for (i = 0; i < 4; ++i) out[i] = (float)(q[i] * length);
 }
 
 nmc_result nmc_evaluate(const nmc_set *set, uint32_t index, double seconds, int mode, float *pose, void *scratch) {
