@@ -10,9 +10,10 @@
  *     if (nmc_read_info(bytes, size, &info) != NMC_OK) ...            sizes of everything, before anything is allocated
  *     void *workspace = malloc(info.workspace_bytes);                 aligned to 8 bytes
  *     nmc_set set;
- *     if (nmc_open(&set, bytes, size, workspace, info.workspace_bytes) != NMC_OK) ...   the whole stream is checked
- * here void *scratch = malloc(info.scratch_bytes);                     aligned to 8 bytes, one per thread float *pose =
- * malloc(info.slots * sizeof(float)); nmc_evaluate(&set, clip, seconds, NMC_CLAMP, pose, scratch);
+ *     if (nmc_open(&set, bytes, size, workspace, info.workspace_bytes) != NMC_OK) ...       checks the whole stream
+ *     void *scratch = malloc(info.scratch_bytes);                     aligned to 8 bytes, one per thread
+ *     float *pose = malloc(info.slots * sizeof(float));
+ *     nmc_evaluate(&set, clip, seconds, NMC_CLAMP, pose, scratch);
  *
  * A stream is a clip set: targets (node properties of one character) and clips that move them. A pose is the
  * concatenation of all targets' values: 3 floats for a translation or scale, 4 for a rotation (unit quaternion x, y, z,
@@ -31,7 +32,7 @@ extern "C" {
 
 typedef enum nmc_result {
   NMC_OK = 0,
-  NMC_ERROR_TRUNCATED = 1, /* the stream ends too early */
+  NMC_ERROR_TRUNCATED = 1, /* the stream ends too early, or is too short for what it holds */
   NMC_ERROR_MAGIC = 2,     /* the first three bytes are not "NMC" */
   NMC_ERROR_VERSION = 3,   /* a version of the bitstream that this decoder does not know */
   NMC_ERROR_CHECKSUM = 4,  /* the bytes were changed */
@@ -40,7 +41,7 @@ typedef enum nmc_result {
   NMC_ERROR_ARGUMENT = 7   /* the caller's memory is too small, or an index is out of range */
 } nmc_result;
 
-/* One sentence for a result. */
+/* One sentence for a result: that of the table "Refusals" in the specification. */
 const char *nmc_message(nmc_result result);
 
 enum { NMC_VERSION = 1 }; /* append-only; a number is never given a second meaning */
@@ -405,7 +406,6 @@ enum {
   NMC__SIMPLE = NMC__TENSOR_B + 12 * 6,
   /* Simple numbers, one context each. */
   NMC__S_COUNT = 0,
-  NMC__S_EXPONENT,
   NMC__S_TIME,
   NMC__S_TIME_ERROR,
   NMC__S_CLIP_EXPONENT,
@@ -616,7 +616,7 @@ static int nmc__code(nmc__coder *c, int bit, uint32_t p) {
     c->code = (c->code << 8) | (c->at < c->size ? c->bytes[c->at] : 0u);
     ++c->at;
   }
-  if (++c->decisions > c->most_decisions || c->at > c->size + 4) nmc__fail(c, NMC_ERROR_CORRUPT);
+  if (++c->decisions > c->most_decisions || c->at > c->size + 4) nmc__fail(c, NMC_ERROR_TRUNCATED);
   return bit;
 }
 
@@ -1165,6 +1165,15 @@ static void nmc__code_weights(nmc__coder *c, nmc_set *set, uint32_t index, uint3
   }
 }
 
+/* set->levels, which only anchors need, says of each of the clip's parameters whether it moves. */
+static void nmc__mark_moving(nmc_set *set, uint32_t index) {
+  const uint8_t *states = set->states + (size_t)index * set->info.targets;
+  uint32_t t, a, parameter = 0;
+  for (t = 0; t < set->info.targets; ++t)
+    for (a = nmc__parameters(&set->targets[t], states[t]); a > 0; --a)
+      set->levels[parameter++] = states[t] >= NMC_MOVING;
+}
+
 static void nmc__code_atoms(nmc__coder *c, nmc_set *set, uint32_t index, uint32_t *next) {
   nmc_clip *clip = &set->clips[index];
   uint32_t i, sample = 0;
@@ -1175,6 +1184,7 @@ static void nmc__code_atoms(nmc__coder *c, nmc_set *set, uint32_t index, uint32_
     return;
   }
   clip->first_atom = *next;
+  if (clip->atoms > 0) nmc__mark_moving(set, index);
   for (i = 0; i < clip->atoms && c->result == NMC_OK; ++i) {
     nmc_atom *atom = &set->atoms[clip->first_atom + i];
     uint32_t parameter, width;
@@ -1188,8 +1198,8 @@ static void nmc__code_atoms(nmc__coder *c, nmc_set *set, uint32_t index, uint32_
     parameter = nmc__simple(c, NMC__S_ATOM_PARAMETER, atom->parameter);
     width = nmc__simple(c, NMC__S_ATOM_WIDTH, atom->width);
     level = nmc__simple_signed(c, NMC__S_ATOM_VALUE, (int32_t)atom->value);
-    if (sample >= clip->samples || parameter >= clip->parameters || width > 15 || level >= 1 << NMC__LEVEL_BITS ||
-        level <= -(1 << NMC__LEVEL_BITS)) {
+    if (sample >= clip->samples || parameter >= clip->parameters || !set->levels[parameter] || width > 15 ||
+        level >= 1 << NMC__LEVEL_BITS || level <= -(1 << NMC__LEVEL_BITS)) {
       nmc__fail(c, NMC_ERROR_CORRUPT);
       return;
     }
@@ -1354,7 +1364,7 @@ static nmc_result nmc__settle_references(nmc_set *set) {
       memcpy(pose, reference, target->width * sizeof(float));
       if (target->path != NMC_ROTATION) continue;
       for (a = 0; a < 4; ++a) length += (double)pose[a] * pose[a];
-      if (!(length > 0.98 && length < 1.02)) return NMC_ERROR_CORRUPT;
+      if (!(length >= 0.9801 && length <= 1.0201)) return NMC_ERROR_CORRUPT;
       continue;
     }
     for (a = 0; a < (target->path == NMC_ROTATION ? 3u : target->width); ++a)

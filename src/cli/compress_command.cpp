@@ -135,14 +135,17 @@ Run compress_command(CLI::App& app) {
           },
           ""))
       ->group("Method");
-  CLI::Option* contact_weight =
-      app.add_option("--contact-weight", a->contact_weight,
-                     "how often the error of points that stand still counts; profile default only (default 3)")
-          ->check(CLI::Range(1.0, 100.0));
   CLI::Option* effort =
       app.add_option("--effort", a->effort, "1 (fast) to 9 (smallest file); profile default only (default 5)")
           ->type_name("N")
           ->check(whole_number(1, 9))
+          ->group("Method");
+  CLI::Option* contact_weight =
+      app.add_option(
+             "--contact-weight", a->contact_weight,
+             "1 to 100: how often the error of points that stand still\ncounts; profile default only (default 3)")
+          ->type_name("X")
+          ->check(CLI::Range(1.0, 100.0))
           ->group("Method");
   CLI::Option* frequencies = app.add_option("--max-frequencies", a->max_frequencies,
                                             "where Algorithm 1 gives up, 0 to 1000; profile paper only\n(default 40)")

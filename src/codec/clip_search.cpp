@@ -25,10 +25,12 @@ struct SearchPlan {
   int last_iterations = 0;     ///< of one more at the best settings
 };
 
-SearchPlan plan_of(int effort) {
-  if (effort <= 1) return {60, 40, 3, 0};
-  if (effort <= 3) return {80, 60, 6, 0};
-  if (effort <= 5) return {120, 100, 10, 150};
+/// Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
+SearchPlan plan_of(int effort, std::size_t samples) {
+  const int fewer = static_cast<int>(std::clamp<std::size_t>(samples / 400, 1, 5));
+  if (effort <= 1) return {60, 40, 3 / fewer, 0};
+  if (effort <= 3) return {80, 60, 6 / fewer, 0};
+  if (effort <= 5) return {120, 100, 10 / fewer, fewer > 1 ? 0 : 150};
   if (effort <= 7) return {250, 200, 16, 400};
   return {500, 400, 24, 1000};
 }
@@ -70,7 +72,7 @@ class ClipSearch {
         map_(context.source.skeleton, context.frame, prepared.layout, context.source.points, prepared.coded) {}
 
   LevelClip run() {
-    const SearchPlan plan = plan_of(context_.effort);
+    const SearchPlan plan = plan_of(context_.effort, clip_.clip.times.size());
     Trial current = best_cut(plan);
     if (!current.kept) current = first_within_bound(current, plan);
     if (current.kept) descend(current, plan);
@@ -180,7 +182,6 @@ class ClipSearch {
       const std::size_t was = bytes_of(levels);
       LevelClip pruned = levels;
       prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance);
-      const std::size_t then = bytes_of(pruned);
       const bool ok = bring_within_bound(pruned, room);
       if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
     }
@@ -207,7 +208,7 @@ class ClipSearch {
     PerSample strictness = PerSample::Ones(prepared_.layout.values.cols());
     for (int round = 0; round < rounds; ++round) {
       if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance,
-                   strictness, most_atoms))
+                   strictness, most_atoms, context_.threads))
         return false;
       if (!tighten(error_profile(levels), strictness)) return true;
     }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/parallel.h"
+
 namespace nmc::codec {
 namespace {
 
@@ -23,7 +25,7 @@ struct Candidate {
 class Corrector {
  public:
   Corrector(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-            double bound, const Row& strictness)
+            double bound, const Row& strictness, int threads)
       : clip_(clip),
         layout_(layout),
         steps_(steps),
@@ -31,6 +33,7 @@ class Corrector {
         wanted_(wanted),
         bound_(bound),
         strictness_(strictness),
+        threads_(threads),
         samples_(layout.values.cols()),
         moving_(static_cast<Eigen::Index>(layout.moving.size())),
         worst_square_(samples_),
@@ -155,17 +158,18 @@ class Corrector {
     }
   }
 
-  void try_parameter(Eigen::Index moving, Eigen::Index n, std::optional<Candidate>& best) {
+  /// The best atom of one parameter at sample n.
+  std::optional<Candidate> best_atom(Eigen::Index moving, Eigen::Index n) const {
+    std::optional<Candidate> best;
     const Eigen::Index reach = (Eigen::Index{1} << widest) - 1;
     const Eigen::Index from = std::max<Eigen::Index>(0, n - reach), end = std::min(samples_, n + reach + 1);
     Effect effect = map_.effect(moving, from, end - from);
     effect.values.rowwise() *= strictness_.segment(from, end - from);
     const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point_) - effect.points.begin();
-    if (at == std::ssize(effect.points)) return;
+    if (at == std::ssize(effect.points)) return best;
     const double step = step_of(moving);
     Row before, after;
     excess(effect, from, from, Row::Zero(end - from), before);
-    bool found = false;
     for (const std::int32_t level : levels_for(effect.values.col(n - from).segment<3>(3 * at), n, step)) {
       double last_gain = 0;
       int falls = 0;
@@ -183,18 +187,22 @@ class Corrector {
         if (gain > 0 && (!best || gain > best->gain)) {
           best = Candidate{
               {static_cast<std::uint32_t>(n), static_cast<int>(parameter(moving)), width, level}, gain, {}, from};
-          found = true;
         }
       }
     }
-    if (found) best->effect = effect;
+    if (best) best->effect = std::move(effect);
+    return best;
   }
 
   bool add_atom() {
     const Eigen::Index n = largest().first;
     std::optional<Candidate> best;
     for (const std::size_t most : {std::size_t{4}, std::size_t{24}}) {
-      for (const Eigen::Index moving : promising(n, most)) try_parameter(moving, n, best);
+      const std::vector<Eigen::Index> parameters = promising(n, most);
+      std::vector<std::optional<Candidate>> candidates(parameters.size());
+      parallel_for(parameters.size(), threads_, [&](std::size_t k) { candidates[k] = best_atom(parameters[k], n); });
+      for (std::optional<Candidate>& candidate : candidates)
+        if (candidate && (!best || candidate->gain > best->gain)) best = std::move(candidate);
       if (best) break;
     }
     if (!best) return settle_sample(n) || restore_sample(n);
@@ -347,6 +355,7 @@ class Corrector {
   const Rows& wanted_;
   double bound_, aim_ = 0;
   Row strictness_;
+  int threads_;
   Eigen::Index samples_, moving_;
   Eigen::Index worst_point_ = 0;
   Row worst_square_;                          ///< per sample: the largest squared error
@@ -357,8 +366,9 @@ class Corrector {
 }  // namespace
 
 bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-             double bound, const Eigen::Array<float, 1, Eigen::Dynamic>& strictness, std::size_t most_atoms) {
-  const bool reached = Corrector(clip, layout, steps, map, wanted, bound, strictness).run(most_atoms);
+             double bound, const Eigen::Array<float, 1, Eigen::Dynamic>& strictness, std::size_t most_atoms,
+             int threads) {
+  const bool reached = Corrector(clip, layout, steps, map, wanted, bound, strictness, threads).run(most_atoms);
   std::stable_sort(clip.atoms.begin(), clip.atoms.end(),
                    [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
   return reached;

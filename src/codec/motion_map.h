@@ -41,7 +41,8 @@ enum class FreeParameters {
   all,     ///< every parameter of the layout
 };
 
-/// The kinematics of one clip. Linear maps cost O(movers + points) per sample.
+/// The kinematics of one clip. Linear maps cost O(movers + points) per sample. They are exact to first order, but for
+/// rotations and scales below a node whose scales differ from axis to axis, which are taken as if its scale was even.
 class MotionMap {
  public:
   /// Takes the points that free parameters move. Fixed targets take their values from the first column of `fixed` (all

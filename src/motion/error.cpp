@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "motion/contact.h"
 #include "motion/index.h"
 #include "motion/pose.h"
 
@@ -88,6 +89,14 @@ class Comparison {
 
   void raise_joint(double& largest) const {
     for (const int joint : skeleton_->joints) raise(largest, glm::length(glm::dvec3(difference_[at(joint)][3])));
+  }
+
+  /// One drift per skin joint.
+  void add_drift(double seconds, double size, std::vector<ContactDrift>& drifts) const {
+    for (std::size_t i = 0; i < drifts.size(); ++i) {
+      const int joint = skeleton_->joints[i];
+      drifts[i].add(seconds, original_.world()[at(joint)][3], difference_[at(joint)][3], size);
+    }
   }
 
   void raise_rotation(double& largest_degrees) const {
@@ -228,7 +237,7 @@ double character_size(const Skeleton& skeleton, const Points& points) {
 }
 
 ErrorMeter::ErrorMeter(const Skeleton& skeleton, const Points& points)
-    : skeleton_(&skeleton), points_(&points), search_(points) {}
+    : skeleton_(&skeleton), points_(&points), search_(points), size_(character_size(skeleton, points)) {}
 
 ErrorReport ErrorMeter::report(const Animation& original, const Animation& decoded) const {
   const std::vector<SampleTime> samples = sample_times(original);
@@ -238,6 +247,7 @@ ErrorReport ErrorMeter::report(const Animation& original, const Animation& decod
   WorstPoint worst;
   MorphError worst_morph;
   std::vector<glm::dmat4> first;
+  std::vector<ContactDrift> drifts(skeleton_->joints.size());
   for (const SampleTime& sample : samples) {
     comparison.read(sample.seconds);
     if (first.empty()) first.assign(comparison.difference().begin(), comparison.difference().end());
@@ -253,7 +263,9 @@ ErrorReport ErrorMeter::report(const Animation& original, const Animation& decod
     comparison.raise_rotation(report.max_rotation_degrees);
     comparison.raise_weight(report.max_morph_weight);
     sampled.add(comparison.difference(), sample.key);
+    if (sample.key) comparison.add_drift(sample.seconds, size_, drifts);
   }
+  for (const ContactDrift& drift : drifts) raise(report.contact_drift, drift.largest());
   WorstPoint seam;
   search_.raise(minus(comparison.difference(), first), seam);
   report.loop_seam = seam.error;

@@ -29,6 +29,7 @@ struct ErrorReport {
   double max_morph_weight = 0;      ///< largest difference of a morph weight
   double jitter = 0;                ///< root mean square of the second difference over key times of the error vector
   double loop_seam = 0;             ///< largest change of the error vector between last and first key time
+  double contact_drift = 0;         ///< largest ContactDrift of a skin joint's origin, over key times
   double max_seconds = 0;           ///< when the maximum occurs
   int max_node =
       -1;  ///< the node with the largest influence on the worst point, or whose morphs are worst; -1 without an error
@@ -60,6 +61,7 @@ class ErrorMeter {
   const Skeleton* skeleton_;
   const Points* points_;
   PointSearch search_;
+  double size_ = 1;
 };
 
 /// Compares two animations of one character at all key times of `original` and the midpoints between them. Curves are

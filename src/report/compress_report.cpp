@@ -165,6 +165,7 @@ Json error_json(const motion::ErrorReport& error, double size, const std::vector
             {"max_morph_weight", error.max_morph_weight},
             {"jitter_world_units", error.jitter},
             {"loop_seam_world_units", error.loop_seam},
+            {"contact_drift_world_units", error.contact_drift},
             {"worst_node", nullptr},
             {"worst_name", nullptr},
             {"worst_seconds", error.max_seconds}};

@@ -40,6 +40,7 @@ std::string verify_text(const Verification& result, const VerifyContext& context
                  {"rotation"},
                  {"jitter"},
                  {"loop seam"},
+                 {"drift"},
                  {"worst joint", Align::left},
                  {"at"},
                  {"holds", Align::left}});
@@ -48,8 +49,9 @@ std::string verify_text(const Verification& result, const VerifyContext& context
       table.add_row({clip.name, with_share(e.max, result.size), with_share(e.max_joint, result.size),
                      with_share(e.mean, result.size), format_percent(e.percentile_99 / result.size),
                      fmt::format("{:.3g} deg", e.max_rotation_degrees), format_length(e.jitter),
-                     format_length(e.loop_seam), node_label(context.node_names, e.max_node),
-                     format_seconds(e.max_seconds), holds(e, context) ? "yes" : "NO"});
+                     format_length(e.loop_seam), format_length(e.contact_drift),
+                     node_label(context.node_names, e.max_node), format_seconds(e.max_seconds),
+                     holds(e, context) ? "yes" : "NO"});
     }
     out += fmt::format("\n{}\n", table.text());
   }

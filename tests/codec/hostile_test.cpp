@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "base/error.h"
 #include "codec/reference_codec.h"
 #include "made_set.h"
 
@@ -14,6 +15,7 @@ namespace nmc::test {
 namespace {
 
 using codec::Basis;
+using codec::State;
 using Bytes = std::vector<std::uint8_t>;
 
 void repair(Bytes& bytes) {
@@ -209,6 +211,25 @@ TEST(Hostile, EveryErrorHasItsCause) {
   EXPECT_EQ(open_at(workspace.data(), info.workspace_bytes), NMC_OK);
   for (int code = NMC_OK; code <= NMC_ERROR_ARGUMENT; ++code)
     EXPECT_STRNE(nmc_message(static_cast<nmc_result>(code)), "unknown result");
+}
+
+/// An atom corrects what moves. On anything else it would need a channel with more than two keys. The encoder goes
+/// through the same checks as the decoder, so it cannot write one either.
+TEST(Hostile, AnAtomOnWhatDoesNotMove) {
+  codec::ClipSet set = SetMaker().make({Basis::cosine, {9}});
+  codec::LevelClip& clip = set.clips[0];
+  int first = 0;
+  std::vector<std::pair<int, State>> parameters;
+  for (std::size_t t = 0; t < set.targets.size(); ++t)
+    for (int a = codec::parameter_count(set.targets[t], clip.states[t]); a > 0; --a)
+      parameters.push_back({first++, clip.states[t]});
+  for (const auto& [parameter, state] : parameters) {
+    clip.atoms = {{4, parameter, 1, 5}};
+    if (state == State::fixed)
+      EXPECT_THROW(write_clip_set(set), Error) << parameter;
+    else
+      EXPECT_EQ(open_and_play(write_clip_set(set)), NMC_OK) << parameter;
+  }
 }
 
 /// The worst a float may be, where the format holds raw floats: the decoder's arithmetic has to bear it.

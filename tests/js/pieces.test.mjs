@@ -160,7 +160,7 @@ test('key times, bit for bit', () => {
   // Around 0 the order of floats goes on.
   const zero = make([3, 1, 1, 2, 1, 3, 0, 0, 0, 0], [set, 2, [0, 0, 1], 0, -1, 1, still, end]).clips[0];
   assert.deepEqual([...zero.times], [-(2 ** -149), next(1, 1)]);
-  assert.throws(() => make([3, 1, 1, 2, 1, 3, 0, 0, 0, 0], [set, 2, [1, 0, 0], 1, still, end]), { code: 'value' });
+  assert.throws(() => make([3, 1, 1, 2, 1, 3, 0, 0, 0, 0], [set, 2, [1, 0, 0], 1, still, end]), { code: 'corrupt' });
 });
 
 test('a constant clip is the reference and its anchors', () => {
@@ -233,6 +233,15 @@ test('atoms are raised cosines around their sample', () => {
   }
 });
 
+test('atoms on what does not move are refused', () => {
+  const counts = [3, 1, 1, 12, 1, 3, 0, 1, 0, 0];
+  const numbers = (state, level) => [set, 12, everyTenth, 0, state, 0, [0, 0, 0], 0, 1, [5, 1, 2, level]];
+  assert.doesNotThrow(() => make(counts, numbers(2, 3)));
+  assert.throws(() => make(counts, numbers(1, 3)), { code: 'corrupt' });
+  assert.doesNotThrow(() => make(counts, numbers(2, 2 ** 23 - 1)));
+  assert.throws(() => make(counts, numbers(2, 2 ** 23)), { code: 'corrupt' });
+});
+
 test('rotations: by vectors around an exact reference, and as quaternions', () => {
   const s = Math.SQRT1_2;
   const exact = [1, 0, 0];
@@ -246,7 +255,7 @@ test('rotations: by vectors around an exact reference, and as quaternions', () =
   close(quaternion.evaluate(0, new Float32Array(4)), [0, 0.6, 0, -0.8]);
   const nothing = make(counts, [one, 2, everyTenth, 0, 3, 0, [0, 0, 0, 0], end]).clips[0];
   close(nothing.evaluate(0, new Float32Array(4)), [0, 0, 0, 1]);
-  assert.throws(() => make(counts, [[exact, 0.25, 0, 1, [1, 0, 0, 1]], 2, everyTenth, 0, 3, 0, [0, 0, 0, 0], end]), { code: 'value' });
+  assert.throws(() => make(counts, [[exact, 0.25, 0, 1, [1, 0, 0, 1]], 2, everyTenth, 0, 3, 0, [0, 0, 0, 0], end]), { code: 'corrupt' });
 });
 
 test('a network, quantised and not', () => {

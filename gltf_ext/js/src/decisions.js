@@ -70,8 +70,8 @@ export class Decisions {
 
   /** Throws if the stream was read too far. Called once per number, which is often enough to end any loop. */
   check() {
-    if (this.position > this.bytes.length + 4) throw new NmcError('truncated', 'the stream ends too early');
-    if (this.decisions > this.mostDecisions) throw new NmcError('truncated', 'the stream holds more decisions than its size allows');
+    if (this.position > this.bytes.length + 4) throw new NmcError('truncated', 'the payload uses bytes beyond its end');
+    if (this.decisions > this.mostDecisions) throw new NmcError('truncated', 'the payload holds more decisions than its size allows');
   }
 
   /** A decision that is 1 with the probability p / 65536. */
@@ -212,7 +212,10 @@ export class Decisions {
 
   signed(group, count, context) {
     const value = this.number(group, count, 23);
-    return value !== 0 && this.plain(this.signs + group * 3 + context) ? -value : value;
+    if (value === 0) return 0;
+    const negative = this.plain(this.signs + group * 3 + context);
+    this.check();
+    return negative ? -value : value;
   }
 
   simple(run) {
@@ -239,7 +242,7 @@ export class Decisions {
   finite(bits, Type) {
     this.check();
     const value = new Type(bits.buffer)[0];
-    if (!Number.isFinite(value)) throw new NmcError('value', 'the stream holds a number that is not finite');
+    if (!Number.isFinite(value)) throw new NmcError('corrupt', 'the stream holds a number that is not finite');
     return value;
   }
 }

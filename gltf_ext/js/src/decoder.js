@@ -1,5 +1,5 @@
 // The decoder's face: opens a stream and evaluates its clips. No glTF here; extension.js connects targets to nodes.
-import { NmcError } from './error.js';
+import { NmcError, need } from './error.js';
 import { PATHS, readPayload } from './payload.js';
 import { PoseEvaluator, lastAtOrBefore, slerp } from './pose.js';
 
@@ -136,12 +136,13 @@ class Clip {
   }
 }
 
-/** Exact rotations must be unit, nearly (A.5). */
-function checkReferences(set) {
-  if (!set.exactReferences) return;
-  for (const { path, slot } of set.targets) {
+/** Exact rotations must be unit, nearly; others must not turn about without end (A.5). */
+function checkReferences({ exactReferences, references, anchorStep, targets }) {
+  for (const { path, slot } of targets) {
     if (PATHS[path] !== 'rotation') continue;
-    const length = Math.hypot(...set.references.subarray(slot, slot + 4));
-    if (Math.abs(length - 1) > 0.01) throw new NmcError('value', 'a reference rotation is not of unit length');
+    let square = 0;
+    for (let i = slot; i < slot + (exactReferences ? 4 : 3); ++i) square += (exactReferences ? references[i] : references[i] * anchorStep[i]) ** 2;
+    if (exactReferences) need(square >= 0.9801 && square <= 1.0201, 'a reference rotation is not of unit length');
+    else need(square < 1000, 'a reference rotation is too large');
   }
 }

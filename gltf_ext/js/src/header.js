@@ -18,10 +18,11 @@ const NETWORK_COUNTS = ['hidden0', 'hidden1', 'maxFrequencies'];
 
 /** A.1. Returns the counts, and where the payload begins. */
 export function readHeader(bytes) {
-  need(bytes.length >= 8 && bytes[0] === 78 && bytes[1] === 77 && bytes[2] === 67, 'this is no NMC stream', 'magic');
+  need(bytes.length >= 4, 'there is no version', 'truncated');
+  need(bytes[0] === 78 && bytes[1] === 77 && bytes[2] === 67, 'this is no NMC stream', 'magic');
   need(bytes[3] === 1, `version ${bytes[3]} of the stream is not known`, 'version');
-  const stored = new DataView(bytes.buffer, bytes.byteOffset).getUint32(4, true);
-  need(crc32(bytes.subarray(8)) === stored, 'the checksum does not match: the stream is damaged', 'checksum');
+  need(bytes.length >= 8, 'there is no checksum', 'truncated');
+  need(bytes.length < 2 ** 31 - 1, 'the stream is too large', 'limit');
   let at = 8;
   const varint = () => {
     let value = 0;
@@ -41,6 +42,8 @@ export function readHeader(bytes) {
   if (header.dense > 0) for (const name of NETWORK_COUNTS) header[name] = varint();
   header.begin = at;
   checkLimits(header, 64 * bytes.length + 65536);
+  const stored = new DataView(bytes.buffer, bytes.byteOffset).getUint32(4, true);
+  need(crc32(bytes.subarray(8)) === stored, 'the checksum does not match: the stream is damaged', 'checksum');
   return header;
 }
 

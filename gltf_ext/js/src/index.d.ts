@@ -1,7 +1,10 @@
 /** A broken stream, a broken file or a wrong argument. */
 export class NmcError extends Error {
   readonly name: 'NmcError';
-  readonly code: 'magic' | 'version' | 'checksum' | 'limit' | 'truncated' | 'value' | 'total' | 'glb' | 'extension' | 'argument';
+  /** Of a broken stream: a code of the specification's table "Refusals", whose sentence is the message. */
+  readonly code: 'truncated' | 'magic' | 'version' | 'checksum' | 'limit' | 'corrupt' | 'glb' | 'extension' | 'argument';
+  /** More precisely what was found. */
+  readonly detail: string;
 }
 
 export type Path = 'translation' | 'rotation' | 'scale' | 'weights';

@@ -74,13 +74,13 @@ class Reader {
   take(name, amount) {
     const first = this.used[name];
     this.used[name] += amount;
-    need(this.used[name] <= this.header[name], `the stream holds more ${name} than its header says`, 'total');
+    need(this.used[name] <= this.header[name], `the stream holds more ${name} than its header says`);
     return first;
   }
 
   checkTotals() {
     for (const [name, amount] of Object.entries(this.used)) {
-      need(amount === this.header[name], `the stream holds fewer ${name} than its header says`, 'total');
+      need(amount === this.header[name], `the stream holds fewer ${name} than its header says`);
     }
   }
 
@@ -322,7 +322,7 @@ class Reader {
       one = d.length;
       row[j] = one;
       if (level === 0) continue;
-      // Writing beyond the end of these arrays does nothing, and is noticed below.
+      if (kept === weights.feature.length) this.take('weights', kept + 1);
       weights.feature[kept] = j;
       weights.value[kept++] = level * scale;
     }
@@ -352,16 +352,21 @@ class Reader {
     const count = d.simple(REFERENCE);
     this.take('atoms', count);
     clip.atoms = { sample: new Int32Array(count), parameter: new Uint16Array(count), width: new Uint16Array(count), level: new Float64Array(count) };
+    const moves = movingFlags(clip);
     let sample = 0;
     for (let i = 0; i < count; ++i) {
-      sample += d.simple(ATOM_GAP);
+      const gap = d.simple(ATOM_GAP);
+      need(gap < clip.samples, 'an atom is out of range');
+      sample += gap;
       const parameter = d.simple(ATOM_PARAMETER);
       const width = d.simple(ATOM_WIDTH);
-      need(sample < clip.samples && parameter < clip.parameters && width <= 15, 'an atom is out of range');
+      const level = d.simpleSigned(ATOM_VALUE);
+      need(sample < clip.samples && parameter < clip.parameters && width <= 15 && Math.abs(level) < 2 ** 23, 'an atom is out of range');
+      need(moves[parameter], 'an atom moves what does not move');
       clip.atoms.sample[i] = sample;
       clip.atoms.parameter[i] = parameter;
       clip.atoms.width[i] = 2 ** width;
-      clip.atoms.level[i] = d.simpleSigned(ATOM_VALUE);
+      clip.atoms.level[i] = level;
     }
   }
 
@@ -370,10 +375,14 @@ class Reader {
     const { d, header } = this;
     const count = d.simple(COUNT);
     need(count <= header.maxFrequencies, 'a clip has more frequencies than the header says');
+    const steps = this.quantized ? 2 : 0;
+    need(count + header.hidden0 * (2 * count + 2) + steps <= header.dense - this.used.dense, 'the stream holds more dense than its header says');
     this.take('dense', count);
     clip.frequencies = new Float64Array(count);
-    for (let k = 0; k < count; ++k) clip.frequencies[k] = d.simple(FREQUENCY);
-    need(clip.frequencies.every((frequency) => frequency <= 65535), 'a frequency is too high');
+    for (let k = 0; k < count; ++k) {
+      clip.frequencies[k] = d.simple(FREQUENCY);
+      need(clip.frequencies[k] <= 65535, 'a frequency is too high');
+    }
     clip.W0 = this.readTensor(header.hidden0, 2 * count + 1, 0);
     clip.b0 = this.readTensor(header.hidden0, 1, 1);
   }
@@ -383,7 +392,10 @@ class Reader {
     const { d, header, set } = this;
     if (!set.hasNetwork) return;
     const outputs = d.simple(COUNT);
+    need(outputs <= 65535, 'the network has too many outputs');
     for (const clip of set.clips) need(outputs === movingParameters(clip), 'a clip does not fit the outputs of the network');
+    const numbers = header.hidden1 * (header.hidden0 + 1) + outputs * (header.hidden1 + 1) + (this.quantized ? 4 : 0);
+    need(numbers === header.dense - this.used.dense, "the network's layers are not as large as the header says");
     set.W1 = this.readTensor(header.hidden1, header.hidden0, 2);
     set.b1 = this.readTensor(header.hidden1, 1, 3);
     set.W2 = this.readTensor(outputs, header.hidden1, 4);
@@ -428,6 +440,13 @@ const squeezedMore = Uint8Array.from({ length: 16 }, (_, v) => (v < 5 ? v : v < 
 function lastLevel(clip, target, a) {
   if (clip === null || clip.states[target] === 0 || clip.states[target] === QUATERNION) return 0;
   return clip.levels[clip.levels.length - clip.parameters + clip.firsts[target] + a];
+}
+
+/** Per parameter whether its target moves. */
+function movingFlags(clip) {
+  const flags = new Uint8Array(clip.parameters);
+  clip.states.forEach((state, t) => flags.fill(state > STATIC ? 1 : 0, clip.firsts[t], clip.firsts[t + 1]));
+  return flags;
 }
 
 function movingParameters(clip) {

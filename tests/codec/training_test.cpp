@@ -1,0 +1,323 @@
+// The encoder's parts on a made clip: the linear map against finite differences, levels against the curves they stand
+// for, corrections and refinements against the positions that they promise.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "codec/clip_layout.h"
+#include "codec/corrections.h"
+#include "codec/features.h"
+#include "codec/motion_map.h"
+#include "codec/refinement.h"
+#include "codec/sparse_training.h"
+#include "motion/clip.h"
+
+namespace nmc::codec {
+namespace {
+
+using PerSample = Eigen::Array<float, 1, Eigen::Dynamic>;
+
+/// A chain of joints, a moving and stretching root, and points at and beyond the joints.
+struct Character {
+  motion::Skeleton skeleton;
+  Points points;
+  motion::Clip clip;
+  SetFrame frame;
+  ClipLayout layout;
+  ParameterSteps steps;
+
+  explicit Character(std::size_t samples, bool stretches = false) {
+    constexpr int joints = 4;
+    for (int i = 0; i < joints; ++i) {
+      motion::Transform t;
+      t.translation = {0.1, i > 0 ? 0.5 : 0.0, 0};
+      skeleton.names.push_back("joint");
+      skeleton.parent.push_back(i - 1);
+      skeleton.order.push_back(i);
+      skeleton.rest.push_back(t);
+      skeleton.rest_matrix.push_back(motion::to_matrix(t));
+      skeleton.rest_weights.emplace_back();
+      skeleton.joints.push_back(i);
+      const Influence origin{i, {}, 1}, tip{i, {0.2, 0.3, 0.1}, 1};
+      points.add(&origin, &origin + 1);
+      points.add(&tip, &tip + 1);
+    }
+    const Influence blend[2] = {{1, {0.1, 0, 0.2}, 0.4}, {2, {-0.1, 0.1, 0}, 0.6}};
+    points.add(blend, blend + 2);
+    for (std::size_t n = 0; n < samples; ++n) clip.times.push_back(static_cast<float>(n) / 30);
+    add_track(0, Path::translation, 3);
+    for (int i = 0; i < joints; ++i) add_track(i, Path::rotation, 4);
+    if (stretches) add_track(1, Path::scale, 3);
+    frame = mean_frame(skeleton, {&clip});
+    layout = layout_clip(clip, frame);
+    const auto count = static_cast<Eigen::Index>(layout.parameters.size());
+    steps = {Eigen::VectorXd::Constant(count, 0.01), Eigen::VectorXd::Constant(count, 0.002)};
+  }
+
+  Eigen::Index samples() const { return layout.values.cols(); }
+  MotionMap map() const { return {skeleton, frame, layout, points, layout.values}; }
+
+ private:
+  void add_track(int node, Path path, int width) {
+    motion::Track track{node, path, width, {}};
+    for (std::size_t n = 0; n < clip.times.size(); ++n) {
+      const double t = static_cast<double>(n) / static_cast<double>(clip.times.size());
+      for (int a = 0; a < width; ++a) {
+        // One scale for all axes: below others the map is an approximation.
+        const int wave_of = path == Path::scale ? 0 : a;
+        const double wave = 0.3 * std::sin(6.28 * t * (1 + (node + wave_of) % 3) + node + wave_of);
+        const bool usual = path == Path::scale || (path == Path::rotation && a == 3);
+        track.values.push_back(static_cast<float>(wave + (usual ? 1.0 : 0.0)));
+      }
+      if (path == Path::rotation) normalise(track);
+    }
+    clip.tracks.push_back(track);
+  }
+
+  static void normalise(motion::Track& track) {
+    float* q = track.values.data() + track.values.size() - 4;
+    const float length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int a = 0; a < 4; ++a) q[a] /= length;
+  }
+};
+
+Rows random_rows(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
+  std::mt19937 random(seed);
+  Rows made(rows, columns);
+  for (Eigen::Index i = 0; i < made.size(); ++i) made.data()[i] = static_cast<float>(random() % 2001) / 1000.0f - 1.0f;
+  return made;
+}
+
+double largest_distance(const Rows& difference, Eigen::Index points) {
+  double most = 0;
+  for (Eigen::Index q = 0; q < points; ++q)
+    most = std::max(
+        most, std::sqrt(static_cast<double>(difference.middleRows(3 * q, 3).square().colwise().sum().maxCoeff())));
+  return most;
+}
+
+class MotionMapOf : public testing::TestWithParam<bool> {};
+
+TEST_P(MotionMapOf, ErrorsAreTheDifferenceQuotientOfPositions) {
+  const Character character(37, GetParam());
+  MotionMap map = character.map();
+  map.linearise(character.layout.values);
+  constexpr double h = 1e-3;
+  const Rows delta = random_rows(static_cast<Eigen::Index>(character.layout.moving.size()), 37, 1);
+  Eigen::MatrixXd ahead = character.layout.values, behind = ahead;
+  for (Eigen::Index i = 0; i < delta.rows(); ++i) {
+    const Eigen::Index p = character.layout.moving[static_cast<std::size_t>(i)];
+    ahead.row(p) += h * delta.row(i).cast<double>().matrix();
+    behind.row(p) -= h * delta.row(i).cast<double>().matrix();
+  }
+  const Rows quotient = (map.positions(ahead) - map.positions(behind)) / static_cast<float>(2 * h);
+  Rows error;
+  map.errors(delta, error);
+  // Positions of about 2 in float divided by 2 h: 1e-4; the third-order term is smaller.
+  EXPECT_LT((error - quotient).abs().maxCoeff(), 1e-3f);
+  EXPECT_GT(error.abs().maxCoeff(), 0.5f);
+}
+
+TEST_P(MotionMapOf, GradientIsTheTranspose) {
+  const Character character(21, GetParam());
+  MotionMap map = character.map();
+  map.linearise(character.layout.values);
+  const Rows delta = random_rows(static_cast<Eigen::Index>(character.layout.moving.size()), 21, 2);
+  const Rows weight = random_rows(map.error_rows(), 21, 3);
+  Rows error, gradient;
+  map.errors(delta, error);
+  map.gradient(weight, gradient);
+  const double left = (error * weight).cast<double>().sum(), right = (delta * gradient).cast<double>().sum();
+  EXPECT_NEAR(left, right, 1e-4 * (1 + std::abs(left)));
+}
+
+TEST_P(MotionMapOf, APartOfTheSamplesGivesTheSameAsAll) {
+  const Character character(50, GetParam());
+  MotionMap map = character.map();
+  map.linearise(character.layout.values);
+  const Rows delta = random_rows(static_cast<Eigen::Index>(character.layout.moving.size()), 50, 4);
+  Rows all, part;
+  map.errors(delta, all);
+  map.errors(delta.middleCols(13, 20), part, 13);
+  EXPECT_EQ((all.middleCols(13, 20) - part).abs().maxCoeff(), 0.0f);
+}
+
+TEST_P(MotionMapOf, AnEffectIsTheErrorOfOneUnit) {
+  const Character character(40, GetParam());
+  MotionMap map = character.map();
+  map.linearise(character.layout.values);
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(character.layout.moving.size()); ++i) {
+    Rows delta = Rows::Zero(static_cast<Eigen::Index>(character.layout.moving.size()), 40), error;
+    delta.row(i).setOnes();
+    map.errors(delta, error);
+    const Effect effect = map.effect(i, 5, 30);
+    Rows spread = Rows::Zero(error.rows(), 30);
+    for (std::size_t k = 0; k < effect.points.size(); ++k)
+      spread.middleRows(3 * effect.points[k], 3) = effect.values.middleRows(3 * static_cast<Eigen::Index>(k), 3);
+    EXPECT_LT((spread - error.middleCols(5, 30)).abs().maxCoeff(), 1e-6f) << "parameter " << i;
+  }
+}
+
+TEST_P(MotionMapOf, DescendIsTheGradientOfTheWeightedSquares) {
+  const Character character(35, GetParam());
+  MotionMap map = character.map();
+  map.linearise(character.layout.values);
+  const Rows delta = 0.01f * random_rows(static_cast<Eigen::Index>(character.layout.moving.size()), 35, 5);
+  const Rows offset = 0.001f * random_rows(map.error_rows(), 35, 6);
+  Rows emphasis = Rows::Ones(map.point_count(), 35);
+  emphasis.row(2).setConstant(3.0f);
+  const double tolerance = 0.02;
+  Rows error, expected, gradient, threaded;
+  map.errors(delta, error);
+  error += offset;
+  for (const int power : {2, 4, 6}) {
+    Rows weighted = error;
+    for (Eigen::Index q = 0; q < map.point_count(); ++q) {
+      const PerSample square =
+          error.middleRows(3 * q, 3).square().colwise().sum() / static_cast<float>(tolerance * tolerance);
+      const PerSample weight = power == 2   ? PerSample::Constant(35, 1.05f)
+                               : power == 4 ? PerSample(square.min(100.0f) + 0.05f)
+                                            : PerSample((square * square).min(100.0f) + 0.05f);
+      for (Eigen::Index a = 0; a < 3; ++a)
+        weighted.row(3 * q + a) *= weight * emphasis.row(q) * static_cast<float>(2 / (tolerance * tolerance));
+    }
+    map.gradient(weighted, expected);
+    map.descend(delta, offset, {tolerance, power, &emphasis}, 1, gradient);
+    map.descend(delta, offset, {tolerance, power, &emphasis}, 8, threaded);
+    EXPECT_LT((gradient - expected).abs().maxCoeff(), 1e-4f * expected.abs().maxCoeff()) << "power " << power;
+    EXPECT_EQ((gradient - threaded).abs().maxCoeff(), 0.0f) << "power " << power;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, MotionMapOf, testing::Bool(),
+                         [](const auto& tested) { return tested.param ? "Stretching" : "Rigid"; });
+
+struct Cut {
+  Basis basis;
+  std::size_t samples;
+};
+
+/// Every basis with even and odd lengths: an untrained transform with fine steps is the curve itself.
+class Transform : public testing::TestWithParam<Cut> {};
+
+TEST_P(Transform, WithFineStepsIsTheCurve) {
+  const auto [basis, samples] = GetParam();
+  const Character character(samples);
+  MotionMap map = character.map();
+  const auto whole = static_cast<std::uint32_t>(samples);
+  SparseSettings settings{.basis = basis, .boundaries = {0, basis == Basis::cosine ? whole : whole - 1}};
+  settings.step_exponent = 40;
+  settings.iterations = 0;
+  const Rows offset = Rows::Zero(map.error_rows(), character.samples());
+  const TrainedClip trained = train_sparse(
+      {.layout = &character.layout, .steps = &character.steps, .offset = &offset, .emphasis = nullptr}, map, settings);
+  const Eigen::MatrixXd values = values_of_levels(trained.levels, character.steps, character.samples());
+  // Anchors are rounded to 0.002; at both ends of a line, and the rest follows what is left.
+  EXPECT_LT((values - character.layout.values).cwiseAbs().maxCoeff(), 0.0021);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cuts, Transform,
+                         testing::Values(Cut{Basis::cosine, 12}, Cut{Basis::cosine, 13}, Cut{Basis::periodic, 12},
+                                         Cut{Basis::periodic, 13}, Cut{Basis::periodic, 20}, Cut{Basis::sine, 12},
+                                         Cut{Basis::sine, 13}));
+
+/// A trained clip of coarse steps, and where its points should be.
+struct Trained {
+  Character character{60};
+  MotionMap map = character.map();
+  Rows wanted = map.positions(character.layout.values);
+  LevelClip levels;
+  double tolerance = 0.01;
+
+  Trained() {
+    const Rows offset = Rows::Zero(map.error_rows(), 60);
+    SparseSettings settings{.basis = Basis::cosine, .boundaries = {0, 60}};
+    settings.iterations = 120;
+    settings.rate = 0.6;
+    settings.step_exponent = -6;
+    levels = train_sparse({.layout = &character.layout,
+                           .steps = &character.steps,
+                           .offset = &offset,
+                           .emphasis = nullptr,
+                           .tolerance = tolerance},
+                          map, settings)
+                 .levels;
+  }
+
+  Rows error(const LevelClip& clip) const {
+    return map.positions(values_of_levels(clip, character.steps, 60)) - wanted;
+  }
+  double largest(const LevelClip& clip) const { return largest_distance(error(clip), map.point_count()); }
+};
+
+TEST(Training, BeatsTheTransformAtTheSameSteps) {
+  Trained trained;
+  const Rows offset = Rows::Zero(trained.map.error_rows(), 60);
+  SparseSettings settings{.basis = Basis::cosine, .boundaries = {0, 60}};
+  settings.step_exponent = -6;
+  settings.iterations = 0;
+  const LevelClip plain = train_sparse({.layout = &trained.character.layout,
+                                        .steps = &trained.character.steps,
+                                        .offset = &offset,
+                                        .emphasis = nullptr,
+                                        .tolerance = trained.tolerance},
+                                       trained.map, settings)
+                              .levels;
+  EXPECT_LT(trained.levels.windows[0].weights.size(), plain.windows[0].weights.size());
+}
+
+TEST(Corrections, BringEverySampleWithinItsBound) {
+  Trained trained;
+  const double bound = 0.5 * trained.largest(trained.levels);
+  PerSample strictness = PerSample::Ones(60);
+  strictness.segment(20, 5).setConstant(4.0f);
+  LevelClip corrected = trained.levels;
+  ASSERT_TRUE(correct(corrected, trained.character.layout, trained.character.steps, trained.map, trained.wanted, bound,
+                      strictness, 2000));
+  EXPECT_FALSE(corrected.atoms.empty());
+  EXPECT_LE(largest_distance(trained.error(corrected).rowwise() * strictness, trained.map.point_count()),
+            bound * (1 + 1e-5));
+}
+
+TEST(Corrections, AddNothingWhereTheBoundHolds) {
+  Trained trained;
+  LevelClip corrected = trained.levels;
+  ASSERT_TRUE(correct(corrected, trained.character.layout, trained.character.steps, trained.map, trained.wanted,
+                      1.01 * trained.largest(trained.levels), PerSample::Ones(60), 10));
+  EXPECT_TRUE(corrected.atoms.empty());
+}
+
+TEST(Corrections, SayWhenTheyMayNotGoOn) {
+  Trained trained;
+  LevelClip corrected = trained.levels;
+  EXPECT_FALSE(correct(corrected, trained.character.layout, trained.character.steps, trained.map, trained.wanted,
+                       0.1 * trained.largest(trained.levels), PerSample::Ones(60), 2));
+}
+
+TEST(Refinement, RepairLowersTheLargestErrorWithoutNewWeights) {
+  Trained trained;
+  const double before = trained.largest(trained.levels);
+  LevelClip repaired = trained.levels;
+  repair(repaired, trained.character.layout, trained.character.steps, trained.map, trained.wanted, 0.7 * before);
+  EXPECT_LT(trained.largest(repaired), before);
+  EXPECT_LE(repaired.windows[0].weights.size(), trained.levels.windows[0].weights.size());
+}
+
+TEST(Refinement, PruneDropsLevelsAndStaysWithinTheBound) {
+  Trained trained;
+  const double bound = 1.3 * trained.largest(trained.levels);
+  LevelClip pruned = trained.levels;
+  prune(pruned, trained.character.layout, trained.character.steps, trained.map, trained.wanted, bound);
+  const auto sum = [](const LevelClip& clip) {
+    long levels = 0;
+    for (const LevelWeight& weight : clip.windows[0].weights) levels += std::abs(weight.level);
+    return levels;
+  };
+  EXPECT_LT(sum(pruned), sum(trained.levels));
+  EXPECT_LE(trained.largest(pruned), bound * 1.02);  // linear about the pose before
+}
+
+}  // namespace
+}  // namespace nmc::codec
