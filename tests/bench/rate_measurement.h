@@ -1,0 +1,26 @@
+// One row of the rate table: what a method made of a file at a tolerance.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace nmc::bench {
+
+struct Measurement {
+  std::string method;
+  bool reached = false;        ///< bytes and errors count
+  std::size_t key_bytes = 0;   ///< gltf::total_cost of the file that was made
+  std::size_t json_bytes = 0;  ///< likewise
+  double error = 0;            ///< over joints and all skin points, share of the character's size
+  double joint_error = 0;      ///< over joints alone, share of the character's size
+  bool joints_only = false;    ///< the method's bound is on joints alone
+  double seconds = 0;          ///< of compressing
+  std::size_t peak_bytes = 0;  ///< resident memory at the end of compressing, at most
+  std::string note;
+};
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, method, reached, key_bytes, json_bytes, error, joint_error, joints_only,
+                                   seconds, peak_bytes, note)
+
+}  // namespace nmc::bench

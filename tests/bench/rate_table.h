@@ -1,0 +1,25 @@
+// The rate table in Markdown, and the geometric means over files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rate_measurement.h"
+
+namespace nmc::bench {
+
+/// The rows of one file at one tolerance, in the order in which they were measured.
+struct RateTable {
+  std::string file;
+  double tolerance_percent = 0;
+  std::vector<Measurement> rows;
+};
+
+void print_head(const std::string& file, double tolerance_percent);
+void print_row(const Measurement& row);
+
+/// Per tolerance and effort the geometric mean over files of the default's bytes over those of DCT and of gltfpack.
+/// A file counts where both methods reach the tolerance.
+void print_means(const std::vector<RateTable>& tables);
+
+}  // namespace nmc::bench
