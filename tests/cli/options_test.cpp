@@ -44,6 +44,8 @@ TEST_F(Options, NumbersOutOfRange) {
   for (const char* seconds : {"0", "-3", "nan", "inf", "soon"}) {
     expect_failure({in_, out, "--time-limit", seconds}, usage, {"--time-limit", seconds});
   }
+  for (const char* weight : {"0", "101", "many"})
+    expect_failure({in_, out, "--contact-weight", weight}, usage, {"--contact-weight"});
   expect_failure({in_, out, "--threads", "0"}, usage, {"--threads"});
   expect_failure({in_, out, "--threads", "99999999999999999999"}, usage, {"--threads"});
   expect_failure({in_, out, "--profile", "paper", "--max-frequencies", "-1"}, usage, {"--max-frequencies"});
@@ -55,6 +57,7 @@ TEST_F(Options, ContradictionsAreRefused) {
   expect_failure({in_, out, "--optional", "--fallback"}, usage, {"--optional", "--fallback"});
   expect_failure({in_, out, "--max-frequencies", "3"}, usage, {"--max-frequencies", "--profile paper"});
   expect_failure({in_, out, "--profile", "paper", "--effort", "3"}, usage, {"--effort", "paper"});
+  expect_failure({in_, out, "--profile", "paper", "--contact-weight", "2"}, usage, {"--contact-weight", "paper"});
 }
 
 TEST_F(Options, ExcludedNameMustExist) {
@@ -73,11 +76,32 @@ TEST_F(Options, ValueOfAnOptionIsNoCommand) {
 
 TEST_F(Options, HelpTellsEverything) {
   const ProcessResult result = run_well({"--help"});
-  for (const char* word : {"--tolerance",   "--profile",   "--max-frequencies", "--effort",     "--time-limit",
-                           "--threads",     "--optional",  "--fallback",        "--exclude",    "--json",
-                           "--quiet",       "--version",   "--allow-external",  "default 0.1%", "default 5",
-                           "default 40",    "default all", "default none",      "Exit codes",   "compress",
-                           "1 (fast) to 9", "decode",      "inspect",           "verify",       "import"}) {
+  for (const char* word : {"--tolerance",
+                           "--profile",
+                           "--max-frequencies",
+                           "--effort",
+                           "--contact-weight",
+                           "--time-limit",
+                           "--threads",
+                           "--optional",
+                           "--fallback",
+                           "--exclude",
+                           "--json",
+                           "--quiet",
+                           "--version",
+                           "--allow-external",
+                           "default 0.1%",
+                           "default 5",
+                           "default 40",
+                           "default all",
+                           "default none",
+                           "Exit codes",
+                           "compress",
+                           "1 (fast) to 9",
+                           "decode",
+                           "inspect",
+                           "verify",
+                           "import"}) {
     EXPECT_THAT(result.out, HasSubstr(word));
   }
   for (int code = 0; code <= 6; ++code) EXPECT_THAT(result.out, HasSubstr("\n  " + std::to_string(code) + "  "));

@@ -88,6 +88,43 @@ TEST(Compress, TinyCharacterKeepsItsPromises) {
 
 TEST(Compress, HumanoidKeepsItsPromises) { expect_kept_promises(humanoid(), 0.005, 1); }
 
+/// The tiny character with a STEP channel of two keys on the tip's translation, `jump` apart.
+Document with_step(float jump) {
+  TinyGlb glb;
+  const std::size_t input = glb.add(std::vector<float>{0.0F, 2.0F}, 5126, "SCALAR", 1);
+  const std::size_t output = glb.add(std::vector<float>{0, 1, 0, jump, 1, 0}, 5126, "VEC3", 3);
+  glb.json["accessors"][input]["min"] = {0.0};
+  glb.json["accessors"][input]["max"] = {2.0};
+  auto& animation = glb.json["animations"][0];
+  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "STEP"}});
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", 1}, {"path", "translation"}}}});
+  return gltf::parse_document(glb.bytes(), "step.glb", {});
+}
+
+std::size_t step_channels(const Document& document) {
+  std::size_t count = 0;
+  for (const auto& channel : document.json["animations"][0]["channels"]) {
+    const auto& sampler = document.json["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()];
+    if (sampler.value("interpolation", "LINEAR") == "STEP") ++count;
+  }
+  return count;
+}
+
+TEST(Compress, AStepThatNobodySeesIsAConstant) {
+  const Document original = with_step(1e-6F);
+  const CompressResult result = codec::compress(original, quick(0.005));
+  ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+  EXPECT_EQ(step_channels(result.document), 0u);
+  EXPECT_LE(errors_of(original, codec::expand(result.document))[0].max, 0.005 * result.size);
+}
+
+TEST(Compress, AStepThatIsSeenStays) {
+  const CompressResult result = codec::compress(with_step(0.5F), quick(0.005));
+  ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+  EXPECT_EQ(step_channels(result.document), 1u);
+}
+
 TEST(Compress, FallbackKeepsTheAnimationsBitForBit) {
   const Document original = tiny();
   CompressOptions options = quick(0.01);
