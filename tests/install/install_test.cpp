@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "support/process.h"
+#include "support/sanitized.h"
 #include "support/scratch.h"
 
 namespace nmc::test {
@@ -75,7 +76,9 @@ TEST_F(Install, TheDecoderIsFoundByPkgConfig) {
 TEST_F(Install, TheLibraryIsFoundByFindPackage) {
   install("decoder");
   install("nmc");
-  build_with_cmake("-DWITH_LIBRARY=ON");
+  // A library that was built with sanitizers needs their run-time parts in whatever links it.
+  build_with_cmake(sanitized ? "-DWITH_LIBRARY=ON -DCMAKE_EXE_LINKER_FLAGS=-fsanitize=address,undefined"
+                             : "-DWITH_LIBRARY=ON");
   expect_first_pose(folder_.file("build/consumer"));
   EXPECT_EQ(run_process({folder_.file("build/library_consumer")}).exit_code, 0);
   EXPECT_EQ(run_process({folder_.file("prefix/bin/gltf-nmc"), "--version"}).exit_code, 0);
