@@ -119,10 +119,9 @@ class ClipSearch {
     for (int k = 0; k < 2 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.iterations);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
-    for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4) {
+    plain.rate = usual_rate / 4;  // of the trainings that go on from here
+    for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4)
       trial = offer(plain, nullptr);
-      trial.settings.rate = usual_rate / 4;
-    }
     return trial;
   }
 
@@ -199,13 +198,11 @@ class ClipSearch {
     return static_cast<std::size_t>((bits.anchors + bits.weights + bits.atoms) / 8) + 1;
   }
 
-  using PerSample = Eigen::Array<float, 1, Eigen::Dynamic>;
-
   /// Corrects; measures what the levels mean between the file's keys and at every vertex; where that is above the
   /// bound, corrects the samples around it further.
   bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
     constexpr int rounds = 8;
-    PerSample strictness = PerSample::Ones(prepared_.layout.values.cols());
+    SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
     for (int round = 0; round < rounds; ++round) {
       if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance,
                    strictness, most_atoms, context_.threads))
@@ -217,16 +214,15 @@ class ClipSearch {
 
   motion::ErrorProfile error_profile(const LevelClip& levels) const {
     const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-    Animation decoded = motion::to_animation(clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values));
-    decoded.curves.insert(decoded.curves.end(), clip_.kept.curves.begin(), clip_.kept.curves.end());
-    return context_.meter.profile(clip_.original, decoded);
+    return context_.meter.profile(
+        clip_.original, with_kept(clip_, clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values)));
   }
 
   /// Makes the samples next to each time above the bound stricter. False where there is none.
-  bool tighten(const motion::ErrorProfile& profile, PerSample& strictness) const {
-    const double most = 0.999 * context_.source.tolerance, goal = 0.985 * context_.source.tolerance;
+  bool tighten(const motion::ErrorProfile& profile, SampleRow& strictness) const {
+    const double most = 0.999 * context_.source.tolerance, goal = aim * context_.source.tolerance;
     const std::vector<float>& times = clip_.clip.times;
-    PerSample factor = PerSample::Ones(strictness.size());
+    SampleRow factor = SampleRow::Ones(strictness.size());
     bool above = false;
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
       if (profile.max_error[k] <= most) continue;

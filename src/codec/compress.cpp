@@ -39,9 +39,7 @@ void judge(const Source& source, const CompressOptions& options, const motion::E
   parallel_for(set.clips.size(), options.threads, [&](std::size_t i) {
     const ClipSource& clip = source.clips[set.clips[i]];
     ClipResult& result = results[static_cast<std::size_t>(clip.animation)];
-    Animation all = motion::to_animation(decoded.clip(i, nodes));
-    all.curves.insert(all.curves.end(), clip.kept.curves.begin(), clip.kept.curves.end());
-    result.error = meter.report(clip.original, all);
+    result.error = meter.report(clip.original, with_kept(clip, decoded.clip(i, nodes)));
     result.frequencies = set.frequencies[i];
     result.seconds = set.seconds[i];
     result.keys_after =

@@ -6,26 +6,28 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "codec/features.h"
 
 namespace nmc::codec {
 namespace {
 
 constexpr int widest = 6;  ///< half-widths of up to 2^6 samples
-constexpr double pi = 3.14159265358979323846;
-
-using Row = Eigen::Array<float, 1, Eigen::Dynamic>;
 
 struct Candidate {
   LevelAtom atom;
-  double gain = 0;        ///< fall of the excess per bit
-  Effect effect;          ///< of one unit of the atom's parameter
-  Eigen::Index from = 0;  ///< the effect's first sample
+  double gain = 0;  ///< fall of the excess per bit
+  Effect effect;    ///< of one unit of the atom's parameter
 };
+
+void sort_by_sample(std::vector<LevelAtom>& atoms) {
+  std::stable_sort(atoms.begin(), atoms.end(),
+                   [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
+}
 
 class Corrector {
  public:
   Corrector(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-            double bound, const Row& strictness, int threads)
+            double bound, const SampleRow& strictness, int threads)
       : clip_(clip),
         layout_(layout),
         steps_(steps),
@@ -58,19 +60,13 @@ class Corrector {
   }
 
  private:
-  Eigen::Index point_rows() const { return map_.error_rows() - 2 * map_.point_count(); }
-
   /// Finds the largest error of each of some samples anew.
   void measure(Eigen::Index from, Eigen::Index count) {
-    const Eigen::Index points = map_.point_count();
     auto most = worst_square_.segment(from, count);
     most.setConstant(-1.0f);
-    Eigen::Array<float, 1, Eigen::Dynamic> square(count);
-    for (Eigen::Index q = 0; q < point_rows(); ++q) {
-      if (q < points)
-        square = error_.middleRows(3 * q, 3).middleCols(from, count).square().colwise().sum();
-      else
-        square = error_.row(2 * points + q).segment(from, count).square();
+    SampleRow square(count);
+    for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
+      square = error_.middleRows(map_.first_row(q), map_.row_count(q)).middleCols(from, count).square().colwise().sum();
       for (Eigen::Index n = 0; n < count; ++n) {
         if (square(n) <= most(n)) continue;
         most(n) = square(n);
@@ -86,17 +82,10 @@ class Corrector {
     return {at, std::sqrt(most)};
   }
 
-  static double window(Eigen::Index away, int width) {
-    const Eigen::Index half = Eigen::Index{1} << width;
-    return away >= half ? 0.0 : 0.5 * (1 + std::cos(pi * static_cast<double>(away) / static_cast<double>(half)));
-  }
-
   /// The moving parameters that could take most of the worst point's error away: by |J^T e| a step.
   std::vector<Eigen::Index> promising(Eigen::Index n, std::size_t most) {
-    const Eigen::Index points = map_.point_count();
     Rows weight = Rows::Zero(error_.rows(), 1), gradient;
-    const Eigen::Index first = worst_point_ < points ? 3 * worst_point_ : 2 * points + worst_point_,
-                       count = worst_point_ < points ? 3 : 1;
+    const Eigen::Index first = map_.first_row(worst_point_), count = map_.row_count(worst_point_);
     weight.col(0).segment(first, count) = error_.col(n).segment(first, count);
     map_.gradient(weight, gradient, n);
     std::vector<std::pair<double, Eigen::Index>> ranked;
@@ -115,10 +104,9 @@ class Corrector {
   /// Levels worth trying for a parameter whose unit moves the worst point by `pull` at sample n: the one that takes
   /// most of its error away, and smaller ones.
   std::vector<std::int32_t> levels_for(const Eigen::Array3f& pull, Eigen::Index n, double step) const {
-    const Eigen::Index points = map_.point_count();
     double ee = 0, ej = 0, jj = 0;
-    for (Eigen::Index a = 0; a < (worst_point_ < points ? 3 : 1); ++a) {
-      const double e = error_(worst_point_ < points ? 3 * worst_point_ + a : 2 * points + worst_point_, n), j = pull(a);
+    for (Eigen::Index a = 0; a < map_.row_count(worst_point_); ++a) {
+      const double e = error_(map_.first_row(worst_point_) + a, n), j = pull(a);
       ee += e * e;
       ej += e * j;
       jj += j * j;
@@ -139,20 +127,14 @@ class Corrector {
     return levels;
   }
 
-  /// A smooth stand-in for the largest error over `samples` samples after adding shares * effect: per sample the sum of
-  /// eighth powers, in units of the aim, over the effect's points alone.
-  void excess(const Effect& effect, Eigen::Index from, Eigen::Index first, const Row& shares, Row& sum) const {
-    const Eigen::Index points = map_.point_count(), count = shares.size();
+  /// Per sample from `first` on: the sum over the effect's points of what their squared errors, in units of the aim,
+  /// lie above the bound after adding shares * effect.
+  void excess(const Effect& effect, Eigen::Index first, const SampleRow& shares, SampleRow& sum) const {
     const auto unit = static_cast<float>(1 / (aim_ * aim_));
-    sum.setZero(count);
-    Row square(count);
+    sum.setZero(shares.size());
+    SampleRow square;
     for (std::size_t k = 0; k < effect.points.size(); ++k) {
-      const Eigen::Index q = effect.points[k], e = q < points ? 3 * q : 2 * points + q;
-      square.setZero();
-      for (Eigen::Index a = 0; a < (q < points ? 3 : 1); ++a)
-        square += (error_.row(e + a).segment(first, count) +
-                   shares * effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - from, count))
-                      .square();
+      map_.square_after(effect, k, first, shares, error_, square);
       square *= unit;
       sum += (square - 0.98f).max(0.0f);
     }
@@ -168,25 +150,25 @@ class Corrector {
     const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point_) - effect.points.begin();
     if (at == std::ssize(effect.points)) return best;
     const double step = step_of(moving);
-    Row before, after;
-    excess(effect, from, from, Row::Zero(end - from), before);
+    SampleRow before, after;
+    excess(effect, from, SampleRow::Zero(end - from), before);
     for (const std::int32_t level : levels_for(effect.values.col(n - from).segment<3>(3 * at), n, step)) {
       double last_gain = 0;
       int falls = 0;
       for (int width = 0; width <= widest && falls < 2; ++width) {
         const Eigen::Index half = (Eigen::Index{1} << width) - 1;
         const Eigen::Index first = std::max(from, n - half), last = std::min(end, n + half + 1);
-        Row shares(last - first);
+        SampleRow shares(last - first);
         for (Eigen::Index m = first; m < last; ++m)
-          shares(m - first) = static_cast<float>(level * step * window(std::abs(m - n), width));
-        excess(effect, from, first, shares, after);
+          shares(m - first) = static_cast<float>(level * step * atom_share(std::abs(m - n), width));
+        excess(effect, first, shares, after);
         const double fall = static_cast<double>((before.segment(first - from, last - first) - after).sum());
         const double gain = fall / (18 + 2 * std::log2(std::abs(level) + 1));
         falls = gain < last_gain ? falls + 1 : 0;
         last_gain = gain;
         if (gain > 0 && (!best || gain > best->gain)) {
-          best = Candidate{
-              {static_cast<std::uint32_t>(n), static_cast<int>(parameter(moving)), width, level}, gain, {}, from};
+          best =
+              Candidate{{static_cast<std::uint32_t>(n), static_cast<int>(parameter(moving)), width, level}, gain, {}};
         }
       }
     }
@@ -223,29 +205,21 @@ class Corrector {
     const double step = steps_.anchor(atom.parameter);
     const auto n = static_cast<Eigen::Index>(atom.sample), half = (Eigen::Index{1} << atom.width) - 1;
     const Eigen::Index first = std::max<Eigen::Index>(0, n - half), count = std::min(samples_, n + half + 1) - first;
-    const Eigen::Index points = map_.point_count();
-    Row shares(count);
+    SampleRow shares(count);
     for (Eigen::Index m = 0; m < count; ++m)
-      shares(m) = static_cast<float>(atom.level * step * window(std::abs(first + m - n), atom.width));
-    for (std::size_t k = 0; k < candidate.effect.points.size(); ++k) {
-      const Eigen::Index q = candidate.effect.points[k], e = q < points ? 3 * q : 2 * points + q;
-      for (Eigen::Index a = 0; a < (q < points ? 3 : 1); ++a)
-        error_.row(e + a).segment(first, count) +=
-            shares *
-            candidate.effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - candidate.from, count);
-    }
+      shares(m) = static_cast<float>(atom.level * step * atom_share(std::abs(first + m - n), atom.width));
+    map_.add(candidate.effect, first, shares, error_);
     measure(first, count);
   }
 
   /// What one level of each moving parameter does to one sample's errors: error rows x moving parameters.
   Eigen::MatrixXf level_effects(Eigen::Index n) const {
-    const Eigen::Index points = map_.point_count();
     Eigen::MatrixXf effects = Eigen::MatrixXf::Zero(error_.rows(), moving_);
     for (Eigen::Index i = 0; i < moving_; ++i) {
       const Effect effect = map_.effect(i, n, 1);
       for (std::size_t k = 0; k < effect.points.size(); ++k) {
-        const Eigen::Index q = effect.points[k], count = q < points ? 3 : 1;
-        effects.col(i).segment(q < points ? 3 * q : 2 * points + q, count) =
+        const Eigen::Index q = effect.points[k], count = map_.row_count(q);
+        effects.col(i).segment(map_.first_row(q), count) =
             strictness_(n) * static_cast<float>(step_of(i)) *
             effect.values.col(0).segment(3 * static_cast<Eigen::Index>(k), count);
       }
@@ -255,11 +229,10 @@ class Corrector {
 
   /// Per error row the square of its point's error in units of the aim.
   Eigen::VectorXf squares(const Eigen::VectorXf& error) const {
-    const Eigen::Index points = map_.point_count();
     const auto unit = static_cast<float>(1 / (aim_ * aim_));
     Eigen::VectorXf square(error.size());
-    for (Eigen::Index q = 0; q < point_rows(); ++q) {
-      const Eigen::Index e = q < points ? 3 * q : 2 * points + q, count = q < points ? 3 : 1;
+    for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
+      const Eigen::Index e = map_.first_row(q), count = map_.row_count(q);
       square.segment(e, count).setConstant(unit * error.segment(e, count).squaredNorm());
     }
     return square;
@@ -344,8 +317,7 @@ class Corrector {
 
   void sort_atoms() {
     std::erase_if(clip_.atoms, [](const LevelAtom& a) { return a.level == 0; });
-    std::stable_sort(clip_.atoms.begin(), clip_.atoms.end(),
-                     [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
+    sort_by_sample(clip_.atoms);
   }
 
   LevelClip& clip_;
@@ -354,11 +326,11 @@ class Corrector {
   MotionMap& map_;
   const Rows& wanted_;
   double bound_, aim_ = 0;
-  Row strictness_;
+  SampleRow strictness_;
   int threads_;
   Eigen::Index samples_, moving_;
   Eigen::Index worst_point_ = 0;
-  Row worst_square_;                          ///< per sample: the largest squared error
+  SampleRow worst_square_;                    ///< per sample: the largest squared error
   std::vector<Eigen::Index> worst_point_of_;  ///< per sample
   Rows error_;                                ///< times the strictness
 };
@@ -366,11 +338,9 @@ class Corrector {
 }  // namespace
 
 bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-             double bound, const Eigen::Array<float, 1, Eigen::Dynamic>& strictness, std::size_t most_atoms,
-             int threads) {
+             double bound, const SampleRow& strictness, std::size_t most_atoms, int threads) {
   const bool reached = Corrector(clip, layout, steps, map, wanted, bound, strictness, threads).run(most_atoms);
-  std::stable_sort(clip.atoms.begin(), clip.atoms.end(),
-                   [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
+  sort_by_sample(clip.atoms);
   return reached;
 }
 

@@ -12,7 +12,6 @@ namespace nmc::codec {
 /// or more) of `wanted` (positions of the map's points) at every sample. False where that is not reached within
 /// `most_atoms`; the clip then has the atoms found so far. The result does not depend on `threads`.
 bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-             double bound, const Eigen::Array<float, 1, Eigen::Dynamic>& strictness, std::size_t most_atoms,
-             int threads = 1);
+             double bound, const SampleRow& strictness, std::size_t most_atoms, int threads = 1);
 
 }  // namespace nmc::codec

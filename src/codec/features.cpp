@@ -1,5 +1,7 @@
 #include "codec/features.h"
 
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "codec/reference_codec.h"
@@ -30,6 +32,16 @@ Eigen::MatrixXd anchor_shares(Basis basis, std::uint32_t window_length, Eigen::I
     shares(1, n) = u;
   }
   return shares;
+}
+
+double weight_scale(int step_exponent, std::uint32_t window_length) {
+  return std::exp2(-step_exponent / 4.0) * std::sqrt(2.0 / window_length);
+}
+
+double atom_share(Eigen::Index away, int width) {
+  const Eigen::Index half = Eigen::Index{1} << width;
+  if (away >= half) return 0.0;
+  return 0.5 * (1 + std::cos(std::numbers::pi * static_cast<double>(away) / static_cast<double>(half)));
 }
 
 }  // namespace nmc::codec

@@ -17,4 +17,10 @@ Eigen::Index feature_limit(Basis basis, std::uint32_t window_length);
 /// second zero).
 Eigen::MatrixXd anchor_shares(Basis basis, std::uint32_t window_length, Eigen::Index samples);
 
+/// The scale of a window's weights, in slot steps: 2^(-step_exponent / 4) sqrt(2 / length).
+double weight_scale(int step_exponent, std::uint32_t window_length);
+
+/// The share of an atom of half-width 2^width that a sample gets which is `away` (not negative) from its middle.
+double atom_share(Eigen::Index away, int width);
+
 }  // namespace nmc::codec

@@ -429,7 +429,7 @@ double MotionMap::descend_block(Eigen::Index block, const Rows& delta, const Row
     const Eigen::Index q = point_count() + static_cast<Eigen::Index>(m);
     const auto reach = static_cast<float>(morphs_[m].reach);
     Lanes error = reach * moves.col(morphs_[m].free);
-    error.head(part.size) += offset.row(2 * point_count() + q).segment(part.column, part.size).transpose();
+    error.head(part.size) += offset.row(first_row(q)).segment(part.column, part.size).transpose();
     found.col(morphs_[m].free) += reach * error * weigh(error.square(), q);
   }
   for (Eigen::Index i = 0; i < free_count_; ++i)
@@ -458,6 +458,7 @@ Effect MotionMap::effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index
                (mover.parent >= 0 && moved[static_cast<std::size_t>(mover.parent)]);
   }
   Effect effect;
+  effect.from = from;
   for (Eigen::Index q = 0; q < point_count(); ++q) {
     const auto first = shares_.begin() + static_cast<std::ptrdiff_t>(first_[static_cast<std::size_t>(q)]),
                last = shares_.begin() + static_cast<std::ptrdiff_t>(first_[static_cast<std::size_t>(q) + 1]);
@@ -489,11 +490,29 @@ Effect MotionMap::effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index
   return effect;
 }
 
+void MotionMap::add(const Effect& effect, Eigen::Index first, const SampleRow& shares, Rows& error) const {
+  const Eigen::Index count = shares.size();
+  for (std::size_t k = 0; k < effect.points.size(); ++k)
+    for (Eigen::Index a = 0; a < row_count(effect.points[k]); ++a)
+      error.row(first_row(effect.points[k]) + a).segment(first, count) +=
+          shares * effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - effect.from, count);
+}
+
+void MotionMap::square_after(const Effect& effect, std::size_t k, Eigen::Index first, const SampleRow& shares,
+                             const Rows& error, SampleRow& square) const {
+  const Eigen::Index count = shares.size(), q = effect.points[k];
+  square.setZero(count);
+  for (Eigen::Index a = 0; a < row_count(q); ++a)
+    square += (error.row(first_row(q) + a).segment(first, count) +
+               shares * effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - effect.from, count))
+                  .square();
+}
+
 Eigen::VectorXd MotionMap::reach() const {
   Eigen::VectorXd reach(free_count_);
   for (Eigen::Index i = 0; i < free_count_; ++i) {
     const Effect unit = effect(i, 0, samples_);
-    Eigen::Array<float, 1, Eigen::Dynamic> most = Eigen::Array<float, 1, Eigen::Dynamic>::Zero(samples_);
+    SampleRow most = SampleRow::Zero(samples_);
     for (std::size_t k = 0; k < unit.points.size(); ++k)
       most = most.max(unit.values.middleRows(3 * static_cast<Eigen::Index>(k), 3).square().colwise().sum());
     reach(i) = std::sqrt(static_cast<double>(most.mean()));

@@ -16,6 +16,9 @@ namespace nmc::codec {
 /// One component a row, one sample a column: operations on rows run over samples at vector width.
 using Rows = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// One number per sample.
+using SampleRow = Eigen::Array<float, 1, Eigen::Dynamic>;
+
 /// Samples that a kernel works on at once, and numbers of them: one number a column.
 constexpr Eigen::Index lanes = 16;
 using Lanes = Eigen::Array<float, lanes, 1>;
@@ -33,6 +36,7 @@ struct PointLoss {
 struct Effect {
   std::vector<Eigen::Index> points;  ///< ascending; a morph target m is point_count() + m
   Rows values;                       ///< three rows per entry of `points` (a morph target uses the first) x samples
+  Eigen::Index from = 0;             ///< the first of these samples
 };
 
 /// Which parameters of a layout a map takes as free.
@@ -54,6 +58,12 @@ class MotionMap {
   Eigen::Index error_rows() const { return 3 * point_count() + static_cast<Eigen::Index>(morphs_.size()); }
   Eigen::Index point_count() const { return static_cast<Eigen::Index>(first_.size()) - 1; }
 
+  /// What has an error of its own: q counts the points, then the morph targets.
+  Eigen::Index seen_count() const { return point_count() + static_cast<Eigen::Index>(morphs_.size()); }
+  /// The rows of q's error: row_count(q) of them from first_row(q) on.
+  Eigen::Index first_row(Eigen::Index q) const { return q < point_count() ? 3 * q : 2 * point_count() + q; }
+  Eigen::Index row_count(Eigen::Index q) const { return q < point_count() ? 3 : 1; }
+
   /// World positions of the points (and reach times weight of morph targets) for `values` (all parameters of the layout
   /// x samples).
   Rows positions(const Eigen::MatrixXd& values) const;
@@ -73,6 +83,13 @@ class MotionMap {
 
   /// J times one unit of a free parameter at samples from ... from + count - 1.
   Effect effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index count) const;
+
+  /// error += shares * effect, at the samples from `first` on (all within the effect's).
+  void add(const Effect& effect, Eigen::Index first, const SampleRow& shares, Rows& error) const;
+
+  /// The squared error of the effect's k-th point at these samples after that.
+  void square_after(const Effect& effect, std::size_t k, Eigen::Index first, const SampleRow& shares, const Rows& error,
+                    SampleRow& square) const;
 
   /// Root over samples of the mean of max over points |dp / dparameter|^2, per free parameter; world units per unit.
   Eigen::VectorXd reach() const;

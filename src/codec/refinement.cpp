@@ -8,8 +8,6 @@
 namespace nmc::codec {
 namespace {
 
-using Row = Eigen::Array<float, 1, Eigen::Dynamic>;
-
 /// A window's levels as a matrix.
 struct DenseWindow {
   Eigen::Index first = 0, samples = 0;
@@ -43,7 +41,7 @@ class Refiner {
       int most = 0;
       for (const LevelWeight& weight : from.weights) most = std::max(most, weight.feature);
       window.features = window_features(clip.basis, from.length, most, window.samples).cast<float>();
-      const double scale = std::exp2(-clip.step_exponent / 4.0) * std::sqrt(2.0 / from.length);
+      const double scale = weight_scale(clip.step_exponent, from.length);
       window.step.resize(moving_);
       for (Eigen::Index i = 0; i < moving_; ++i) window.step(i) = static_cast<float>(steps.slot(parameter(i)) * scale);
       window.levels.setZero(moving_, most);
@@ -61,8 +59,7 @@ class Refiner {
         store();
         start();
       }
-      const double before = total_excess();
-      if (before <= 0 || !repair_once()) break;
+      if (total_excess() <= 0 || !repair_once()) break;
     }
     store();
   }
@@ -76,10 +73,10 @@ class Refiner {
         for (Eigen::Index j = window.levels.cols(); j-- > 0;) {
           const int level = window.levels(i, j);
           if (level == 0) continue;
-          const Row change = window.features.row(j).array() * (level > 0 ? -window.step(i) : window.step(i));
+          const SampleRow change = window.features.row(j).array() * (level > 0 ? -window.step(i) : window.step(i));
           if (excess_after(effect, window.first, change) > 0) continue;
           window.levels(i, j) -= level > 0 ? 1 : -1;
-          apply(effect, window.first, change);
+          map_.add(effect, window.first, change, error_);
         }
       }
     }
@@ -95,17 +92,14 @@ class Refiner {
     map_.linearise(0.5 * (now + layout_.values));
   }
 
-  Eigen::Index first_row(Eigen::Index q) const { return q < map_.point_count() ? 3 * q : 2 * map_.point_count() + q; }
-  Eigen::Index row_count(Eigen::Index q) const { return q < map_.point_count() ? 3 : 1; }
-  Eigen::Index point_rows() const { return map_.error_rows() - 2 * map_.point_count(); }
-
   /// What squared errors (in units of the bound) above one weigh.
-  static Row excess_of(const Row& square) { return (square - 1.0f).max(0.0f).square(); }
+  static SampleRow excess_of(const SampleRow& square) { return (square - 1.0f).max(0.0f).square(); }
 
   double largest() const {
     float most = 0;
-    for (Eigen::Index q = 0; q < point_rows(); ++q)
-      most = std::max(most, error_.middleRows(first_row(q), row_count(q)).square().colwise().sum().maxCoeff());
+    for (Eigen::Index q = 0; q < map_.seen_count(); ++q)
+      most =
+          std::max(most, error_.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum().maxCoeff());
     return std::sqrt(static_cast<double>(most));
   }
 
@@ -113,46 +107,33 @@ class Refiner {
 
   double total_excess() const {
     double sum = 0;
-    for (Eigen::Index q = 0; q < point_rows(); ++q) {
-      const Row square = error_.middleRows(first_row(q), row_count(q)).square().colwise().sum() * unit();
+    for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
+      const SampleRow square =
+          error_.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum() * unit();
       sum += static_cast<double>(excess_of(square).sum());
     }
     return sum;
   }
 
-  double excess_after(const Effect& effect, Eigen::Index first, const Row& change) const {
-    const Eigen::Index count = change.size();
+  double excess_after(const Effect& effect, Eigen::Index first, const SampleRow& change) const {
     double sum = 0;
-    Row square(count);
+    SampleRow square;
     for (std::size_t k = 0; k < effect.points.size(); ++k) {
-      const Eigen::Index q = effect.points[k];
-      square.setZero();
-      for (Eigen::Index a = 0; a < row_count(q); ++a)
-        square += (error_.row(first_row(q) + a).segment(first, count) +
-                   change * effect.values.row(3 * static_cast<Eigen::Index>(k) + a))
-                      .square();
+      map_.square_after(effect, k, first, change, error_, square);
       sum += static_cast<double>(excess_of(square * unit()).sum());
     }
     return sum;
   }
 
-  void apply(const Effect& effect, Eigen::Index first, const Row& change) {
-    for (std::size_t k = 0; k < effect.points.size(); ++k) {
-      const Eigen::Index q = effect.points[k];
-      for (Eigen::Index a = 0; a < row_count(q); ++a)
-        error_.row(first_row(q) + a).segment(first, change.size()) +=
-            change * effect.values.row(3 * static_cast<Eigen::Index>(k) + a);
-    }
-  }
-
   /// The slope of the total excess by every moving parameter at every sample.
   Eigen::MatrixXf slopes() {
     Rows weight = Rows::Zero(error_.rows(), samples_), gradient;
-    for (Eigen::Index q = 0; q < point_rows(); ++q) {
-      const Row square = error_.middleRows(first_row(q), row_count(q)).square().colwise().sum() * unit();
-      const Row pull = 4 * unit() * (square - 1.0f).max(0.0f);
-      for (Eigen::Index a = 0; a < row_count(q); ++a)
-        weight.row(first_row(q) + a) = pull * error_.row(first_row(q) + a);
+    for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
+      const SampleRow square =
+          error_.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum() * unit();
+      const SampleRow pull = 4 * unit() * (square - 1.0f).max(0.0f);
+      for (Eigen::Index a = 0; a < map_.row_count(q); ++a)
+        weight.row(map_.first_row(q) + a) = pull * error_.row(map_.first_row(q) + a);
     }
     map_.gradient(weight, gradient);
     return gradient.matrix();
@@ -200,12 +181,12 @@ class Refiner {
                      [&](Eigen::Index a, Eigen::Index b) { return std::abs(slope(a)) > std::abs(slope(b)); });
     if (order.size() > most) order.resize(most);
     const Effect effect = map_.effect(i, window.first, window.samples);
-    const double before = excess_after(effect, window.first, Row::Zero(window.samples));
+    const double before = excess_after(effect, window.first, SampleRow::Zero(window.samples));
     double best_gain = 0;
     Eigen::Index best = -1;
     for (const Eigen::Index j : order) {
       const int direction = slope(j) > 0 ? -1 : 1;
-      const Row change = window.features.row(j).array() * (window.step(i) * static_cast<float>(direction));
+      const SampleRow change = window.features.row(j).array() * (window.step(i) * static_cast<float>(direction));
       const double fall = before - excess_after(effect, window.first, change);
       const double bits = bits_of(window.levels(i, j) + direction) - bits_of(window.levels(i, j));
       const double gain = fall / std::max(1.0, 4 + bits);
@@ -217,7 +198,8 @@ class Refiner {
     if (best < 0) return false;
     const int direction = slope(best) > 0 ? -1 : 1;
     window.levels(i, best) += direction;
-    apply(effect, window.first, window.features.row(best).array() * (window.step(i) * static_cast<float>(direction)));
+    map_.add(effect, window.first, window.features.row(best).array() * (window.step(i) * static_cast<float>(direction)),
+             error_);
     return true;
   }
 

@@ -158,6 +158,12 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
   return source;
 }
 
+Animation with_kept(const ClipSource& source, const motion::Clip& decoded) {
+  Animation all = motion::to_animation(decoded);
+  all.curves.insert(all.curves.end(), source.kept.curves.begin(), source.kept.curves.end());
+  return all;
+}
+
 std::vector<NodeTarget> common_targets(const motion::Skeleton& skeleton,
                                        const std::vector<const motion::Clip*>& clips) {
   std::vector<std::size_t> rank(skeleton.size());

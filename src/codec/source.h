@@ -38,6 +38,9 @@ struct Source {
 /// Reads and samples. Throws Error as gltf::read_asset does.
 Source read_source(const gltf::Document& document, const CompressOptions& options);
 
+/// A decoded clip of `source` with the curves that stay beside it: what a player shows.
+Animation with_kept(const ClipSource& source, const motion::Clip& decoded);
+
 /// A target of a clip set with the node it moves.
 struct NodeTarget {
   int node = -1;

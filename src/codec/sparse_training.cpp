@@ -113,7 +113,7 @@ class Trainer {
       const bool last = w + 2 == settings_.boundaries.size();
       window.samples = last ? samples_ - window.first : window.length;
       window.shares = anchor_shares(settings_.basis, window.length, window.samples).cast<float>();
-      const double scale = std::exp2(-settings_.step_exponent / 4.0) * std::sqrt(2.0 / window.length);
+      const double scale = weight_scale(settings_.step_exponent, window.length);
       window.step = slot_step_ * static_cast<float>(scale);
       start_weights(window, w);
       windows_.push_back(std::move(window));
@@ -316,7 +316,7 @@ Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& st
     for (const LevelWeight& weight : window.weights) most = std::max(most, weight.feature);
     if (most == 0) continue;
     const Eigen::MatrixXd features = window_features(clip.basis, window.length, most, count);
-    const double scale = std::exp2(-clip.step_exponent / 4.0) * std::sqrt(2.0 / window.length);
+    const double scale = weight_scale(clip.step_exponent, window.length);
     for (const LevelWeight& weight : window.weights)
       values.row(weight.parameter).segment(first, count) +=
           weight.level * steps.slot(weight.parameter) * scale * features.row(weight.feature - 1);
@@ -325,9 +325,8 @@ Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& st
     const Eigen::Index half = Eigen::Index{1} << atom.width;
     for (Eigen::Index n = std::max<Eigen::Index>(0, atom.sample - half + 1);
          n < std::min<Eigen::Index>(samples, atom.sample + half); ++n) {
-      const double away = std::abs(static_cast<double>(n) - atom.sample) / static_cast<double>(half);
-      values(atom.parameter, n) +=
-          atom.level * steps.anchor(atom.parameter) * 0.5 * (1 + std::cos(3.14159265358979323846 * away));
+      values(atom.parameter, n) += atom.level * steps.anchor(atom.parameter) *
+                                   atom_share(std::abs(n - static_cast<Eigen::Index>(atom.sample)), atom.width);
     }
   }
   return values;
