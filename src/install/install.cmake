@@ -13,14 +13,14 @@ foreach(room base gltf motion network codec report)
 endforeach()
 install(EXPORT gltf-nmc-targets NAMESPACE gltfnmc:: DESTINATION ${NMC_PACKAGE_DIR} COMPONENT nmc)
 
-configure_package_config_file(cmake/gltf-nmc-config.cmake.in ${CMAKE_BINARY_DIR}/package/gltf-nmc-config.cmake INSTALL_DESTINATION ${NMC_PACKAGE_DIR})
+configure_package_config_file(src/install/gltf-nmc-config.cmake.in ${CMAKE_BINARY_DIR}/package/gltf-nmc-config.cmake INSTALL_DESTINATION ${NMC_PACKAGE_DIR})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/gltf-nmc-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/package/gltf-nmc-config.cmake ${CMAKE_BINARY_DIR}/package/gltf-nmc-config-version.cmake
         DESTINATION ${NMC_PACKAGE_DIR} COMPONENT decoder)
 
 # Where the .pc file lies says where the prefix is, so that a package can be moved.
 file(RELATIVE_PATH NMC_PREFIX_FROM_PC /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-configure_file(cmake/nmc_decode.pc.in ${CMAKE_BINARY_DIR}/package/nmc_decode.pc @ONLY)
+configure_file(src/install/nmc_decode.pc.in ${CMAKE_BINARY_DIR}/package/nmc_decode.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/package/nmc_decode.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT decoder)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT decoder)
 
