@@ -211,9 +211,8 @@ nmc_result nmc_carve(nmc_set *set, void *workspace,
                      size_t workspace_bytes); /* points the arrays of a set with a filled info into memory */
 void nmc_measure(nmc_info *info);             /* workspace_bytes and scratch_bytes from the counts */
 uint32_t nmc_checksum(const uint8_t *bytes, size_t size);
-double nmc_slot_step(const nmc_set *set, uint32_t slot);
-double nmc_anchor_step(const nmc_set *set, uint32_t slot); /* also the unit of atoms */
-double nmc_weight_step(const nmc_set *set, const nmc_clip *clip, uint32_t slot, uint32_t length);
+/* Key time n by the clip's formula (time_mode ... time_step); mode 3 goes on from the time before. */
+float nmc_formula_time(const nmc_clip *clip, uint32_t n, float previous);
 void nmc_features(const nmc_clip *clip, const nmc_window *window, uint32_t n, uint32_t count,
                   double *features); /* features[j], j = 1 .. count */
 /* nmc_open that also says where the bits go: bits holds NMC_PARTS numbers for the whole set, then for each clip. */
@@ -1737,10 +1736,8 @@ nmc_result nmc_evaluate(const nmc_set *set, uint32_t index, double seconds, int 
 
 #ifdef NMC_ENCODER
 uint32_t nmc_checksum(const uint8_t *bytes, size_t size) { return nmc__crc(bytes, size); }
-double nmc_slot_step(const nmc_set *set, uint32_t slot) { return nmc__slot_step(set, slot); }
-double nmc_anchor_step(const nmc_set *set, uint32_t slot) { return nmc__anchor_step(set, slot); }
-double nmc_weight_step(const nmc_set *set, const nmc_clip *clip, uint32_t slot, uint32_t length) {
-  return nmc__weight_step(set, clip, slot, length);
+float nmc_formula_time(const nmc_clip *clip, uint32_t n, float previous) {
+  return nmc__formula_time(clip, n, previous);
 }
 void nmc_features(const nmc_clip *clip, const nmc_window *w, uint32_t n, uint32_t count, double *f) {
   nmc__features(clip, w, n, count, f);

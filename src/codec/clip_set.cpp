@@ -98,13 +98,7 @@ void fill_targets(const ClipSet& from, nmc_set& to) {
 }
 
 void fill_times(const LevelClip& from, nmc_clip& to, float* times) {
-  const TimeFormula formula = fit_times(from.times);
-  to.time_mode = formula.mode;
-  to.time_first = formula.first;
-  to.time_rate = formula.rate;
-  to.time_start = formula.start_seconds;
-  to.time_step = formula.step_seconds;
-  to.time_exact = formula.exact ? 1 : 0;
+  set_formula(fit_times(from.times), to);
   std::copy(from.times.begin(), from.times.end(), times);
 }
 
@@ -234,10 +228,6 @@ double slot_step(const ClipSet& set, const SetTarget& target, int axis) {
 
 double anchor_step(const ClipSet& set, const SetTarget& target, int axis) {
   return slot_step(set, target, axis) * power_of_quarters(set.anchor_exponent);
-}
-
-double weight_step(const ClipSet& set, const LevelClip& clip, const SetTarget& target, int axis, std::uint32_t length) {
-  return slot_step(set, target, axis) * power_of_quarters(clip.step_exponent) * std::sqrt(2.0 / length);
 }
 
 }  // namespace nmc::codec

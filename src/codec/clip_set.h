@@ -102,7 +102,6 @@ PartBits count_bits(const ClipSet& set);
 
 /// Steps as the decoder computes them. Atoms are in anchor steps.
 double anchor_step(const ClipSet& set, const SetTarget& target, int axis);
-double weight_step(const ClipSet& set, const LevelClip& clip, const SetTarget& target, int axis, std::uint32_t length);
 double slot_step(const ClipSet& set, const SetTarget& target, int axis);
 
 }  // namespace nmc::codec

@@ -8,10 +8,12 @@ namespace nmc::codec {
 namespace {
 
 std::size_t misses(const TimeFormula& formula, std::span<const float> times) {
+  nmc_clip clip{};
+  set_formula(formula, clip);
   std::size_t count = 0;
   float previous = 0;
   for (std::size_t n = 0; n < times.size(); ++n) {
-    if (formula_time(formula, static_cast<std::uint32_t>(n), previous) != times[n]) ++count;
+    if (nmc_formula_time(&clip, static_cast<std::uint32_t>(n), previous) != times[n]) ++count;
     previous = times[n];
   }
   return count;
@@ -53,25 +55,13 @@ std::vector<TimeFormula> candidates_for(std::span<const float> times) {
 
 }  // namespace
 
-float formula_time(const TimeFormula& formula, std::uint32_t n, float previous_seconds) {
-  switch (formula.mode) {
-    case 0:
-      return static_cast<float>((static_cast<double>(formula.first) + n) / formula.rate);
-    case 1: {
-      const volatile float product =
-          static_cast<float>(static_cast<double>(formula.first) + n) * static_cast<float>(formula.step_seconds);
-      return product;
-    }
-    case 2: {
-      const volatile double product = n * formula.step_seconds;  // volatile: no fused multiply-add
-      return static_cast<float>(static_cast<double>(formula.start_seconds) + product);
-    }
-    default: {
-      const volatile float sum =
-          n == 0 ? formula.start_seconds : previous_seconds + static_cast<float>(formula.step_seconds);
-      return sum;
-    }
-  }
+void set_formula(const TimeFormula& formula, nmc_clip& clip) {
+  clip.time_mode = formula.mode;
+  clip.time_first = formula.first;
+  clip.time_rate = formula.rate;
+  clip.time_start = formula.start_seconds;
+  clip.time_step = formula.step_seconds;
+  clip.time_exact = formula.exact ? 1 : 0;
 }
 
 TimeFormula fit_times(std::span<const float> times) {

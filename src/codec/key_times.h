@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <span>
 
+#include "codec/reference_codec.h"
+
 namespace nmc::codec {
 
 /// The formulas of nmc_decode.h: 0: (first + n) / rate in double; 1: float(first + n) * step in float;
@@ -20,7 +22,7 @@ struct TimeFormula {
 /// The formula that gives most of `times` (seconds, strictly increasing, at least one) exactly.
 TimeFormula fit_times(std::span<const float> times);
 
-/// Time n of the formula, as the decoder computes it.
-float formula_time(const TimeFormula& formula, std::uint32_t n, float previous_seconds);
+/// Gives a clip of the decoder the formula.
+void set_formula(const TimeFormula& formula, nmc_clip& clip);
 
 }  // namespace nmc::codec
