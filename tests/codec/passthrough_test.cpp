@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "compressed_document.h"
 #include "samples/characters.h"
+#include "support/shared_files.h"
 
 namespace nmc::test {
 namespace {
@@ -15,22 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using codec::CompressOptions;
 using codec::Profile;
-
-/// The small files of the shared data, of each folder; in order of path.
-std::vector<fs::path> small_files(std::uintmax_t most_bytes) {
-  std::vector<fs::path> files;
-  for (const char* folder : {"game", "mocap", "odd"}) {
-    const fs::path root = fs::path(NMC_SHARED_DIR) / "data" / folder;
-    if (!fs::exists(root)) continue;
-    for (const auto& entry : fs::recursive_directory_iterator(root)) {
-      const auto extension = entry.path().extension();
-      if ((extension == ".glb" || extension == ".gltf") && entry.file_size() <= most_bytes)
-        files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 CompressOptions quick(Profile profile) {
   CompressOptions options;
@@ -57,7 +42,7 @@ int expect_untouched(const Document& original, const CompressOptions& options) {
 }
 
 void expect_all_untouched(std::uintmax_t most_bytes, const CompressOptions& options) {
-  const std::vector<fs::path> files = small_files(most_bytes);
+  const std::vector<fs::path> files = shared_files(most_bytes);
   if (files.empty()) GTEST_SKIP() << "needs " << NMC_SHARED_DIR << "/data";
   int taken = 0;
   for (const fs::path& file : files) taken += expect_untouched(gltf::read_document(file), options);

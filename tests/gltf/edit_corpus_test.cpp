@@ -8,6 +8,7 @@
 #include "support/fake_compression.h"
 #include "support/passthrough.h"
 #include "support/sanitized.h"
+#include "support/shared_files.h"
 
 namespace nmc::gltf {
 namespace {
@@ -19,21 +20,6 @@ using test::stub_channels;
 
 /// With sanitizers each byte costs ten times as much, and the small files have every kind of content too.
 constexpr std::uintmax_t most_file_bytes = test::sanitized ? 200'000 : std::numeric_limits<std::uintmax_t>::max();
-
-std::vector<fs::path> corpus() {
-  std::vector<fs::path> files;
-  for (const auto* folder : {"game", "odd", "mocap"}) {
-    const fs::path root = fs::path(NMC_SHARED_DIR) / "data" / folder;
-    if (!fs::exists(root)) continue;
-    for (const auto& entry : fs::recursive_directory_iterator(root)) {
-      const auto extension = entry.path().extension();
-      if ((extension == ".glb" || extension == ".gltf") && entry.file_size() <= most_file_bytes)
-        files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 /// A two-key curve for each channel that the fake edit took.
 std::vector<Animation> fake_decoded(const Document& original, const CompressionEdit& edit) {
@@ -90,7 +76,7 @@ void expect_as_before(const Document& original, const Document& edited) {
 class EditCorpus : public testing::TestWithParam<std::tuple<Requirement, double>> {};
 
 TEST_P(EditCorpus, ChangesNothingButAnimation) {
-  const auto files = corpus();
+  const auto files = test::shared_files(most_file_bytes);
   if (files.empty()) GTEST_SKIP() << "no shared data";
   const auto [requirement, share] = GetParam();
   unsigned seed = 1;
