@@ -4,7 +4,7 @@ set -euo pipefail
 source "$(dirname "$0")/setup.sh"
 
 nmc_need_packages "${nmc_build_packages[@]}"
-nmc_build release
+nmc_build release gltf-nmc make_characters
 
 samples=$nmc_root/build/samples
 tool=$nmc_root/build/gltf-nmc

@@ -4,7 +4,7 @@ nmc_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 # What building needs.
 nmc_build_packages=(g++ cmake ninja-build libglm-dev libeigen3-dev libdraco-dev libtinygltf-dev libcli11-dev libfmt-dev
-                    nlohmann-json3-dev libmeshoptimizer-dev libstb-dev libgtest-dev libgmock-dev libbenchmark-dev)
+                    nlohmann-json3-dev libmeshoptimizer-dev libstb-dev libgtest-dev libgmock-dev)
 
 nmc_say() { printf '== %s\n' "$*"; }
 
@@ -21,7 +21,7 @@ nmc_need_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
 }
 
-# nmc_build PRESET [CMAKE ARGUMENT...]: configures and builds by a preset of CMakePresets.json.
+# nmc_build PRESET [TARGET...]: configures by a preset of CMakePresets.json and builds everything, or these targets.
 nmc_build() {
   local preset=$1
   shift
@@ -30,5 +30,6 @@ nmc_build() {
   [ "$preset" = release ] || folder=$nmc_root/build-$preset
   local generator=()
   [ -f "$folder/CMakeCache.txt" ] || generator=(-G Ninja)
-  (cd "$nmc_root" && cmake --preset "$preset" "${generator[@]}" "$@" >/dev/null && cmake --build --preset "$preset" --parallel "$(nproc)")
+  (cd "$nmc_root" && cmake --preset "$preset" "${generator[@]}" >/dev/null &&
+    cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"})
 }
