@@ -43,12 +43,14 @@ class Corrector {
 
   bool run(std::size_t most_atoms) {
     std::size_t changes = 0;
-    for (int round = 0; round < 8; ++round) {
-      const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
-      error_ = (map_.positions(now) - wanted_).rowwise() * strictness_;
+    for (int round = 0; round < rounds; ++round) {
+      values_ = values_of_levels(clip_, steps_, samples_);
+      error_ = (map_.positions(values_) - wanted_).rowwise() * strictness_;
       measure(0, samples_);
       if (largest().second <= bound_) return true;
-      map_.linearise(0.5 * (now + layout_.values));
+      map_.linearise(0.5 * (values_ + layout_.values));
+      restored_.assign(static_cast<std::size_t>(samples_), false);
+      if (round >= linear_rounds) restore_all();
       // Linear predictions are off by a little: aim lower each time.
       aim_ = bound_ * (0.995 - 0.02 * round);
       while (largest().second > aim_) {
@@ -60,6 +62,8 @@ class Corrector {
   }
 
  private:
+  static constexpr int rounds = 8, linear_rounds = 2;
+
   /// Finds the largest error of each of some samples anew.
   void measure(Eigen::Index from, Eigen::Index count) {
     auto most = worst_square_.segment(from, count);
@@ -188,16 +192,21 @@ class Corrector {
       if (best) break;
     }
     if (!best) return settle_sample(n) || restore_sample(n);
-    const LevelAtom& atom = best->atom;
     apply(*best);
-    // A second atom at the same place is added to the first.
-    for (LevelAtom& other : clip_.atoms)
-      if (other.sample == atom.sample && other.parameter == atom.parameter && other.width == atom.width) {
-        other.level += atom.level;
-        return true;
-      }
-    clip_.atoms.push_back(atom);
+    put(best->atom);
     return true;
+  }
+
+  /// A second atom at the same place is added to the first.
+  void put(const LevelAtom& atom) {
+    const auto same = std::find_if(clip_.atoms.begin(), clip_.atoms.end(), [&](const LevelAtom& other) {
+      return other.sample == atom.sample && other.parameter == atom.parameter && other.width == atom.width;
+    });
+    if (same == clip_.atoms.end())
+      clip_.atoms.push_back(atom);
+    else
+      same->level += atom.level;
+    add_atom_values(atom, steps_, values_);
   }
 
   void apply(const Candidate& candidate) {
@@ -254,16 +263,30 @@ class Corrector {
       lower_peaks(columns, start, amounts);
       const Eigen::VectorXf levels = amounts.array().round();
       error = start + columns * levels;
-      if (squares(error).maxCoeff() <= 1) {
-        for (std::size_t k = 0; k < chosen.size(); ++k)
-          if (const auto level = static_cast<std::int32_t>(levels(static_cast<Eigen::Index>(k))); level != 0)
-            clip_.atoms.push_back({static_cast<std::uint32_t>(n), static_cast<int>(parameter(chosen[k])), 0, level});
-        error_.col(n) = error.array();
-        measure(n, 1);
-        return true;
-      }
+      if (squares(error).maxCoeff() <= 1) return settle(n, chosen, levels);
     }
     return false;
+  }
+
+  /// False, and nothing changed, where the linear map promised too much.
+  bool settle(Eigen::Index n, const std::vector<Eigen::Index>& chosen, const Eigen::VectorXf& levels) {
+    std::vector<LevelAtom> atoms;
+    for (std::size_t k = 0; k < chosen.size(); ++k)
+      if (const auto level = static_cast<std::int32_t>(levels(static_cast<Eigen::Index>(k))); level != 0)
+        atoms.push_back({static_cast<std::uint32_t>(n), static_cast<int>(parameter(chosen[k])), 0, level});
+    Eigen::MatrixXd values = values_.col(n);
+    for (const LevelAtom& atom : atoms) values(atom.parameter, 0) += atom.level * steps_.anchor(atom.parameter);
+    const Rows error = exact_error(values, n);
+    if (squares(error.matrix()).maxCoeff() > 1) return false;
+    for (const LevelAtom& atom : atoms) put(atom);
+    error_.col(n) = error;
+    measure(n, 1);
+    return true;
+  }
+
+  /// The errors of sample n for these values of it (one column), times its strictness.
+  Rows exact_error(const Eigen::MatrixXd& values, Eigen::Index n) const {
+    return strictness_(n) * (map_.positions(values) - wanted_.col(n));
   }
 
   Eigen::Index most_useful(const Eigen::MatrixXf& effects, const Eigen::VectorXf& error,
@@ -280,8 +303,8 @@ class Corrector {
 
   /// Iteratively reweighted least squares towards the smallest sum of eighth powers of |start + columns * amounts|.
   void lower_peaks(const Eigen::MatrixXf& columns, const Eigen::VectorXf& start, Eigen::VectorXf& amounts) const {
-    constexpr int rounds = 12;
-    for (int round = 0; round < rounds; ++round) {
+    constexpr int most_steps = 12;
+    for (int k = 0; k < most_steps; ++k) {
       const Eigen::VectorXf error = start + columns * amounts;
       const Eigen::VectorXf square = squares(error);
       if (square.maxCoeff() < 0.9f) return;
@@ -295,24 +318,25 @@ class Corrector {
     }
   }
 
-  /// Where nothing smaller helps: every parameter of the sample is brought to its true value.
+  /// Where nothing smaller helps: every parameter of the sample is brought to its true value. False where that was done
+  /// before and did not help.
   bool restore_sample(Eigen::Index n) {
-    bool changed = false;
-    const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
-    Rows delta = Rows::Zero(moving_, 1), effect;
+    if (restored_[static_cast<std::size_t>(n)]) return false;
+    restored_[static_cast<std::size_t>(n)] = true;
     for (Eigen::Index i = 0; i < moving_; ++i) {
-      const auto level =
-          static_cast<std::int32_t>(std::lround((layout_.values(parameter(i), n) - now(parameter(i), n)) / step_of(i)));
-      if (level == 0) continue;
-      clip_.atoms.push_back({static_cast<std::uint32_t>(n), static_cast<int>(parameter(i)), 0, level});
-      delta(i, 0) = static_cast<float>(level * step_of(i));
-      changed = true;
+      const double missing = layout_.values(parameter(i), n) - values_(parameter(i), n);
+      if (const auto level = static_cast<std::int32_t>(std::lround(missing / step_of(i))); level != 0)
+        put({static_cast<std::uint32_t>(n), static_cast<int>(parameter(i)), 0, level});
     }
-    if (!changed) return false;
-    map_.errors(delta, effect, n);
-    error_.col(n) += strictness_(n) * effect.col(0);
+    error_.col(n) = exact_error(values_.col(n), n);
     measure(n, 1);
     return true;
+  }
+
+  /// For samples where the linear map does not lead under the bound.
+  void restore_all() {
+    for (Eigen::Index n = 0; n < samples_; ++n)
+      if (static_cast<double>(worst_square_(n)) > bound_ * bound_) restore_sample(n);
   }
 
   void sort_atoms() {
@@ -333,6 +357,8 @@ class Corrector {
   SampleRow worst_square_;                    ///< per sample: the largest squared error
   std::vector<Eigen::Index> worst_point_of_;  ///< per sample
   Rows error_;                                ///< times the strictness
+  Eigen::MatrixXd values_;                    ///< what the levels mean, all parameters x samples
+  std::vector<bool> restored_;                ///< per sample
 };
 
 }  // namespace

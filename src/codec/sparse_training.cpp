@@ -295,6 +295,13 @@ std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, 
   return static_cast<std::int32_t>(std::lround(layout.values(parameter, 0) / steps.anchor(parameter)));
 }
 
+void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values) {
+  const Eigen::Index at = atom.sample, half = Eigen::Index{1} << atom.width;
+  const Eigen::Index end = std::min<Eigen::Index>(values.cols(), at + half);
+  for (Eigen::Index n = std::max<Eigen::Index>(0, at - half + 1); n < end; ++n)
+    values(atom.parameter, n) += atom.level * steps.anchor(atom.parameter) * atom_share(std::abs(n - at), atom.width);
+}
+
 Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples) {
   const Eigen::Index parameters = steps.slot.size();
   Eigen::MatrixXd values(parameters, samples);
@@ -321,14 +328,7 @@ Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& st
       values.row(weight.parameter).segment(first, count) +=
           weight.level * steps.slot(weight.parameter) * scale * features.row(weight.feature - 1);
   }
-  for (const LevelAtom& atom : clip.atoms) {
-    const Eigen::Index half = Eigen::Index{1} << atom.width;
-    for (Eigen::Index n = std::max<Eigen::Index>(0, atom.sample - half + 1);
-         n < std::min<Eigen::Index>(samples, atom.sample + half); ++n) {
-      values(atom.parameter, n) += atom.level * steps.anchor(atom.parameter) *
-                                   atom_share(std::abs(n - static_cast<Eigen::Index>(atom.sample)), atom.width);
-    }
-  }
+  for (const LevelAtom& atom : clip.atoms) add_atom_values(atom, steps, values);
   return values;
 }
 
