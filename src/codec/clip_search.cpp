@@ -92,6 +92,9 @@ class ClipSearch {
   static constexpr double usual_rate = 0.2;
   static constexpr int stride = 3;   ///< of the search, in quarters of an octave of step size
   static constexpr int finest = 24;  ///< step exponent
+  /// Usual errors, after training and after its repair, from which corrections never make the smallest candidate.
+  static constexpr float hopeless = 1.2f, hopeless_repaired = 1.07f;
+  static constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
 
   Trial best_cut(const SearchPlan& plan) {
     Trial best;
@@ -174,11 +177,14 @@ class ClipSearch {
     // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
     const std::size_t room =
         20 + std::min(trial.bytes, best_ ? best_bytes_ - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
-    if (settings.iterations > 0)
+    if (settings.iterations > 0) {
+      if (usual_error(levels) > hopeless) return trial;
       repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance * 0.99);
+      if (usual_error(levels) > hopeless_repaired) return trial;
+    }
     trial.kept = bring_within_bound(levels, room);
-    if (trial.kept) {
-      const std::size_t was = bytes_of(levels);
+    const std::size_t was = bytes_of(levels);
+    if (trial.kept && static_cast<double>(was) < worth_pruning * static_cast<double>(best_bytes_)) {
       LevelClip pruned = levels;
       prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance);
       const bool ok = bring_within_bound(pruned, room);
@@ -189,6 +195,18 @@ class ClipSearch {
     best_bytes_ = trial.bytes;
     best_ = std::move(levels);
     return trial;
+  }
+
+  /// The median over the samples of the largest error, in units of the tolerance.
+  float usual_error(const LevelClip& levels) const {
+    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    const Rows error = map_.positions(values) - prepared_.wanted;
+    SampleRow largest = SampleRow::Zero(error.cols());
+    for (Eigen::Index q = 0; q < map_.seen_count(); ++q)
+      largest = largest.max(error.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum());
+    const auto middle = largest.begin() + largest.size() / 2;
+    std::nth_element(largest.begin(), middle, largest.end());
+    return std::sqrt(*middle) / static_cast<float>(context_.source.tolerance);
   }
 
   std::size_t bytes_of(const LevelClip& clip) const {
