@@ -278,9 +278,9 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
         .positions(clip.layout.values);
   };
   clip.wanted = positions(clip.layout.values);
-  clip.offset = positions(clip.coded) - clip.wanted;
-  clip.emphasis =
-      contact_emphasis(clip.wanted, context.source.points.size(), motion.times, context.source.size, contact_weight);
+  clip.offset = in_blocks(positions(clip.coded) - clip.wanted);
+  clip.emphasis = in_blocks(
+      contact_emphasis(clip.wanted, context.source.points.size(), motion.times, context.source.size, contact_weight));
   return clip;
 }
 

@@ -19,8 +19,8 @@ struct PreparedClip {
   ParameterSteps steps;
   Eigen::MatrixXd coded;  ///< the layout's values, fixed targets as they are coded
   Rows wanted;            ///< positions of Source::points
-  Rows offset;            ///< what the rounding of fixed targets moves them by
-  Rows emphasis;          ///< points x samples: how much an error counts
+  LaneRows offset;        ///< in blocks: what the rounding of fixed targets moves them by
+  LaneRows emphasis;      ///< in blocks, points x samples: how much an error counts
 };
 
 /// What a search needs to know; all of it outlives the search.

@@ -398,8 +398,44 @@ void MotionMap::gradient(const Rows& weight, Rows& gradient, Eigen::Index from) 
         static_cast<float>(morphs_[m].reach) * weight.row(3 * point_count() + static_cast<Eigen::Index>(m));
 }
 
-double MotionMap::descend_block(Eigen::Index block, const Rows& delta, const Rows& offset, const PointLoss& loss,
-                                Rows& gradient) const {
+LaneRows in_blocks(const Rows& rows) {
+  const Eigen::Index blocks = (rows.cols() + lanes - 1) / lanes;
+  LaneRows out = LaneRows::Zero(lanes, blocks * rows.rows());
+  for (Eigen::Index block = 0; block < blocks; ++block) {
+    const Overlap part = overlap(block, 0, rows.cols());
+    for (Eigen::Index r = 0; r < rows.rows(); ++r)
+      out.col(block * rows.rows() + r).head(part.size) = rows.row(r).segment(part.column, part.size).transpose();
+  }
+  return out;
+}
+
+Focus MotionMap::focus(const Rows& delta, const LaneRows& offset, double tolerance, int threads) const {
+  constexpr float near = 0.25f;  // of the squared tolerance
+  constexpr int others = 4;
+  const auto limit = near * static_cast<float>(tolerance * tolerance);
+  Focus focus;
+  focus.blocks.resize(static_cast<std::size_t>(block_count()));
+  parallel_for(focus.blocks.size(), threads, [&](std::size_t b) {
+    const auto block = static_cast<Eigen::Index>(b);
+    const Overlap part = overlap(block, 0, samples_);
+    LaneRows moves, state(lanes, state_width() * static_cast<Eigen::Index>(movers_.size())), e(lanes, 3);
+    load(delta, part, moves);
+    for (std::size_t i = 0; i < movers_.size(); ++i) move(i, block, moves, state);
+    int passed = 0;
+    for (Eigen::Index q = 0; q < point_count(); ++q) {
+      point_error(q, block, state, e);
+      e += offset.middleCols(block * error_rows() + 3 * q, 3);
+      if (e.square().rowwise().sum().maxCoeff() > limit)
+        focus.blocks[b].push_back({q, 1});
+      else if (passed++ % others == 0)
+        focus.blocks[b].push_back({q, others});
+    }
+  });
+  return focus;
+}
+
+double MotionMap::descend_block(Eigen::Index block, const Rows& delta, const LaneRows& offset, const PointLoss& loss,
+                                const Focus* focus, Rows& gradient) const {
   const Overlap part = overlap(block, 0, samples_);
   const auto unit = static_cast<float>(1.0 / (loss.tolerance * loss.tolerance));
   const auto width = state_width() * static_cast<Eigen::Index>(movers_.size());
@@ -408,41 +444,43 @@ double MotionMap::descend_block(Eigen::Index block, const Rows& delta, const Row
   load(delta, part, moves);
   for (std::size_t i = 0; i < movers_.size(); ++i) move(i, block, moves, state);
   double sum = 0;
-  const auto weigh = [&](const Lanes& square, Eigen::Index row) {
-    Lanes weight = weight_of(square * unit, loss.power);
-    sum += static_cast<double>(weight.head(part.size).min(most_counted).sum());
-    if (loss.emphasis)
-      weight.segment(part.lane, part.size) *= loss.emphasis->row(row).segment(part.column, part.size).transpose();
-
+  const auto weigh = [&](const Lanes& square, Eigen::Index row, float count) {
+    Lanes weight = count * weight_of(square * unit, loss.power);
+    sum += static_cast<double>(weight.head(part.size).min(count * most_counted).sum());
+    if (loss.emphasis) weight *= loss.emphasis->col(block * seen_count() + row);
     return Lanes(2 * unit * weight);
   };
-  for (Eigen::Index q = 0; q < point_count(); ++q) {
+  const auto descend_point = [&](Eigen::Index q, float count) {
     point_error(q, block, state, e);
-    for (int a = 0; a < 3; ++a)
-      e.col(a).head(part.size) += offset.row(3 * q + a).segment(part.column, part.size).transpose();
-    const Lanes weight = weigh(e.square().rowwise().sum(), q);
+    e += offset.middleCols(block * error_rows() + 3 * q, 3);
+    const Lanes weight = weigh(e.square().rowwise().sum(), q, count);
     for (int a = 0; a < 3; ++a) e.col(a) *= weight;
     pull(q, block, e, pulls);
-  }
+  };
+  if (focus)
+    for (const Focus::Seen& seen : focus->blocks[static_cast<std::size_t>(block)])
+      descend_point(seen.point, seen.count);
+  else
+    for (Eigen::Index q = 0; q < point_count(); ++q) descend_point(q, 1);
   settle(block, pulls, found);
   for (std::size_t m = 0; m < morphs_.size(); ++m) {
     const Eigen::Index q = point_count() + static_cast<Eigen::Index>(m);
     const auto reach = static_cast<float>(morphs_[m].reach);
     Lanes error = reach * moves.col(morphs_[m].free);
-    error.head(part.size) += offset.row(first_row(q)).segment(part.column, part.size).transpose();
-    found.col(morphs_[m].free) += reach * error * weigh(error.square(), q);
+    error += offset.col(block * error_rows() + first_row(q));
+    found.col(morphs_[m].free) += reach * error * weigh(error.square(), q, 1);
   }
   for (Eigen::Index i = 0; i < free_count_; ++i)
     gradient.row(i).segment(part.column, part.size) = found.col(i).head(part.size).transpose();
   return sum;
 }
 
-double MotionMap::descend(const Rows& delta, const Rows& offset, const PointLoss& loss, int threads,
-                          Rows& gradient) const {
+double MotionMap::descend(const Rows& delta, const LaneRows& offset, const PointLoss& loss, const Focus* focus,
+                          int threads, Rows& gradient) const {
   gradient.resize(free_count_, samples_);
   std::vector<double> sums(static_cast<std::size_t>(block_count()));
   parallel_for(sums.size(), threads, [&](std::size_t b) {
-    sums[b] = descend_block(static_cast<Eigen::Index>(b), delta, offset, loss, gradient);
+    sums[b] = descend_block(static_cast<Eigen::Index>(b), delta, offset, loss, focus, gradient);
   });
   return std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(samples_);
 }

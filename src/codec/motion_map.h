@@ -24,12 +24,25 @@ constexpr Eigen::Index lanes = 16;
 using Lanes = Eigen::Array<float, lanes, 1>;
 using LaneRows = Eigen::Array<float, lanes, Eigen::Dynamic>;
 
+/// Rows of numbers in blocks of samples: column block * rows + r has row r's samples of one block. What lies beyond the
+/// last sample is zero.
+LaneRows in_blocks(const Rows& rows);
+
 /// The loss of training: with e a point's error in units of `tolerance` and w its emphasis, the squares e^2 weighted so
 /// that their sum behaves like a p-norm (reweighted least squares; the weights count as constant in the gradient).
 struct PointLoss {
-  double tolerance = 1;            ///< world units
-  int power = 2;                   ///< p: 2, 4 or 6
-  const Rows* emphasis = nullptr;  ///< points and morph targets x samples; null: one everywhere
+  double tolerance = 1;                ///< world units
+  int power = 2;                       ///< p: 2, 4 or 6
+  const LaneRows* emphasis = nullptr;  ///< points and morph targets x samples, in blocks; null: one everywhere
+};
+
+/// What a training looks at: far below the bound a few points stand for all.
+struct Focus {
+  struct Seen {
+    Eigen::Index point = 0;
+    float count = 1;  ///< points that it stands for
+  };
+  std::vector<std::vector<Seen>> blocks;  ///< per block of samples
 };
 
 /// What one step of a free parameter does to the points that it moves.
@@ -77,9 +90,14 @@ class MotionMap {
   /// gradient = J^T weight, for a weight on every error row, for the samples from `from` on.
   void gradient(const Rows& weight, Rows& gradient, Eigen::Index from = 0) const;
 
-  /// The gradient of `loss` at the error J delta + offset, over all samples, on `threads` threads. Returns the mean
-  /// over samples of the sum of the weights.
-  double descend(const Rows& delta, const Rows& offset, const PointLoss& loss, int threads, Rows& gradient) const;
+  /// Of each block the points whose error J delta + offset (in blocks) is anywhere above half the tolerance, and every
+  /// fourth of the others.
+  Focus focus(const Rows& delta, const LaneRows& offset, double tolerance, int threads) const;
+
+  /// The gradient of `loss` at the error J delta + offset (in blocks), over all samples, on `threads` threads. Returns
+  /// the mean over samples of the sum of the weights. `focus`: the points to look at; null: all.
+  double descend(const Rows& delta, const LaneRows& offset, const PointLoss& loss, const Focus* focus, int threads,
+                 Rows& gradient) const;
 
   /// J times one unit of a free parameter at samples from ... from + count - 1.
   Effect effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index count) const;
@@ -137,8 +155,8 @@ class MotionMap {
   void point_error(Eigen::Index point, Eigen::Index block, const LaneRows& state, LaneRows& error) const;
   void pull(Eigen::Index point, Eigen::Index block, const LaneRows& weight, LaneRows& state) const;
   void settle(Eigen::Index block, LaneRows& state, LaneRows& gradient) const;
-  double descend_block(Eigen::Index block, const Rows& delta, const Rows& offset, const PointLoss& loss,
-                       Rows& gradient) const;
+  double descend_block(Eigen::Index block, const Rows& delta, const LaneRows& offset, const PointLoss& loss,
+                       const Focus* focus, Rows& gradient) const;
 
   Property add_property(const LayoutBlock* block, bool all, Eigen::Index rows);
 

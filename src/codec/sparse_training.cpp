@@ -205,7 +205,8 @@ class Trainer {
   static int norm_of(double progress) { return progress < 0.2 ? 2 : progress < 0.45 ? 4 : 6; }
 
   void train() {
-    const int refresh = 50;
+    constexpr int refresh = 50, refocus = 10;
+    Focus focus;
     for (int it = 0; it < settings_.iterations; ++it) {
       const double done = static_cast<double>(it) / settings_.iterations;
       const double progress = input_.start ? continued + (1 - continued) * done : done;
@@ -217,8 +218,9 @@ class Trainer {
         map_.linearise(middle);
       }
       delta_ = (now - truth_).array();
+      if (it % refocus == 0) focus = map_.focus(delta_, offset_, input_.tolerance, input_.threads);
       const PointLoss loss{input_.tolerance, norm_of(progress), input_.emphasis};
-      const double mean_weight = map_.descend(delta_, offset_, loss, input_.threads, gradient_);
+      const double mean_weight = map_.descend(delta_, offset_, loss, &focus, input_.threads, gradient_);
       const double step = std::exp2(-settings_.step_exponent / 2.0);
       // The slope of distortion over rate of a uniform quantiser, 2 ln 2 step^2 / 12, times the caller's factor.
       const auto rate_weight = static_cast<float>(settings_.rate * 0.1155 * step * mean_weight);
@@ -274,7 +276,7 @@ class Trainer {
   const TrainingInput& input_;
   const ClipLayout& layout_;
   const ParameterSteps& steps_;
-  const Rows& offset_;
+  const LaneRows& offset_;
   MotionMap& map_;
   const SparseSettings& settings_;
   Eigen::Index parameters_, samples_;

@@ -37,9 +37,11 @@ struct TrainingState {
 struct TrainingInput {
   const ClipLayout* layout = nullptr;
   const ParameterSteps* steps = nullptr;
-  const Rows* offset = nullptr;  ///< error rows x samples: what the rounding of fixed targets alone moves the points by
-  const Rows* emphasis = nullptr;  ///< points and morph targets x samples: how much an error counts; null: one
-  double tolerance = 1;            ///< world units
+  const LaneRows* offset =
+      nullptr;  ///< in blocks, error rows x samples: what the rounding of fixed targets alone moves the points by
+  const LaneRows* emphasis =
+      nullptr;           ///< in blocks, points and morph targets x samples: how much an error counts; null: one
+  double tolerance = 1;  ///< world units
   int threads = 1;
   const TrainingState* start = nullptr;  ///< of the same basis and boundaries; null: from the transform
 };

@@ -168,6 +168,7 @@ TEST_P(MotionMapOf, DescendIsTheGradientOfTheWeightedSquares) {
   const Rows offset = 0.001f * random_rows(map.error_rows(), 35, 6);
   Rows emphasis = Rows::Ones(map.point_count(), 35);
   emphasis.row(2).setConstant(3.0f);
+  const LaneRows offset_blocks = in_blocks(offset), emphasis_blocks = in_blocks(emphasis);
   const double tolerance = 0.02;
   Rows error, expected, gradient, threaded;
   map.errors(delta, error);
@@ -184,8 +185,8 @@ TEST_P(MotionMapOf, DescendIsTheGradientOfTheWeightedSquares) {
         weighted.row(3 * q + a) *= weight * emphasis.row(q) * static_cast<float>(2 / (tolerance * tolerance));
     }
     map.gradient(weighted, expected);
-    map.descend(delta, offset, {tolerance, power, &emphasis}, 1, gradient);
-    map.descend(delta, offset, {tolerance, power, &emphasis}, 8, threaded);
+    map.descend(delta, offset_blocks, {tolerance, power, &emphasis_blocks}, nullptr, 1, gradient);
+    map.descend(delta, offset_blocks, {tolerance, power, &emphasis_blocks}, nullptr, 8, threaded);
     EXPECT_LT((gradient - expected).abs().maxCoeff(), 1e-4f * expected.abs().maxCoeff()) << "power " << power;
     EXPECT_EQ((gradient - threaded).abs().maxCoeff(), 0.0f) << "power " << power;
   }
@@ -210,7 +211,7 @@ TEST_P(Transform, WithFineStepsIsTheCurve) {
   SparseSettings settings{.basis = basis, .boundaries = {0, basis == Basis::cosine ? whole : whole - 1}};
   settings.step_exponent = 40;
   settings.iterations = 0;
-  const Rows offset = Rows::Zero(map.error_rows(), character.samples());
+  const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), character.samples()));
   const TrainedClip trained = train_sparse(
       {.layout = &character.layout, .steps = &character.steps, .offset = &offset, .emphasis = nullptr}, map, settings);
   const Eigen::MatrixXd values = values_of_levels(trained.levels, character.steps, character.samples());
@@ -232,7 +233,7 @@ struct Trained {
   double tolerance = 0.01;
 
   Trained() {
-    const Rows offset = Rows::Zero(map.error_rows(), 60);
+    const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), 60));
     SparseSettings settings{.basis = Basis::cosine, .boundaries = {0, 60}};
     settings.iterations = 120;
     settings.rate = 0.6;
@@ -254,7 +255,7 @@ struct Trained {
 
 TEST(Training, BeatsTheTransformAtTheSameSteps) {
   Trained trained;
-  const Rows offset = Rows::Zero(trained.map.error_rows(), 60);
+  const LaneRows offset = in_blocks(Rows::Zero(trained.map.error_rows(), 60));
   SparseSettings settings{.basis = Basis::cosine, .boundaries = {0, 60}};
   settings.step_exponent = -6;
   settings.iterations = 0;
