@@ -124,23 +124,26 @@ class Corrector {
       const auto level = static_cast<std::int32_t>(exact < 0 ? std::floor(exact) : std::ceil(exact));
       if (level != 0 && std::find(levels.begin(), levels.end(), level) == levels.end()) levels.push_back(level);
     };
-    const double inside = ej * ej - jj * (ee - aim_ * aim_ * 0.98);
+    const double inside = ej * ej - jj * (ee - aim_ * aim_ * static_cast<double>(free_share));
     if (inside > 0) add((-ej + (ej < 0 ? -1.0 : 1.0) * std::sqrt(inside)) / jj);
     add(0.7 * full);
     add(full);
     return levels;
   }
 
-  /// Per sample from `first` on: the sum over the effect's points of what their squared errors, in units of the aim,
+  /// The part of the aim below which a squared error does not count.
+  static constexpr float free_share = 0.98f;
+
+  /// Per sample from `first` on: the sum over the endangered points of what their squared errors, in units of the aim,
   /// lie above the bound after adding shares * effect.
-  void excess(const Effect& effect, Eigen::Index first, const SampleRow& shares, SampleRow& sum) const {
+  void excess(const Effect& effect, const std::vector<std::size_t>& endangered, Eigen::Index first,
+              const SampleRow& shares, SampleRow& sum) const {
     const auto unit = static_cast<float>(1 / (aim_ * aim_));
     sum.setZero(shares.size());
     SampleRow square;
-    for (std::size_t k = 0; k < effect.points.size(); ++k) {
+    for (const std::size_t k : endangered) {
       map_.square_after(effect, k, first, shares, error_, square);
-      square *= unit;
-      sum += (square - 0.98f).max(0.0f);
+      sum += (square * unit - free_share).max(0.0f);
     }
   }
 
@@ -154,9 +157,15 @@ class Corrector {
     const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point_) - effect.points.begin();
     if (at == std::ssize(effect.points)) return best;
     const double step = step_of(moving);
+    const std::vector<std::int32_t> levels = levels_for(effect.values.col(n - from).segment<3>(3 * at), n, step);
+    std::int32_t largest_level = 0;
+    for (const std::int32_t level : levels) largest_level = std::max(largest_level, std::abs(level));
+    const std::vector<std::size_t> endangered =
+        map_.endangered(effect, from, end - from, static_cast<float>(largest_level * step), error_,
+                        static_cast<float>(aim_) * std::sqrt(free_share));
     SampleRow before, after;
-    excess(effect, from, SampleRow::Zero(end - from), before);
-    for (const std::int32_t level : levels_for(effect.values.col(n - from).segment<3>(3 * at), n, step)) {
+    excess(effect, endangered, from, SampleRow::Zero(end - from), before);
+    for (const std::int32_t level : levels) {
       double last_gain = 0;
       int falls = 0;
       for (int width = 0; width <= widest && falls < 2; ++width) {
@@ -165,7 +174,7 @@ class Corrector {
         SampleRow shares(last - first);
         for (Eigen::Index m = first; m < last; ++m)
           shares(m - first) = static_cast<float>(level * step * atom_share(std::abs(m - n), width));
-        excess(effect, first, shares, after);
+        excess(effect, endangered, first, shares, after);
         const double fall = static_cast<double>((before.segment(first - from, last - first) - after).sum());
         const double gain = fall / (18 + 2 * std::log2(std::abs(level) + 1));
         falls = gain < last_gain ? falls + 1 : 0;

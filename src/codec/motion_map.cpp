@@ -536,6 +536,23 @@ void MotionMap::add(const Effect& effect, Eigen::Index first, const SampleRow& s
           shares * effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - effect.from, count);
 }
 
+std::vector<std::size_t> MotionMap::endangered(const Effect& effect, Eigen::Index first, Eigen::Index count,
+                                               float amount, const Rows& error, float limit) const {
+  std::vector<std::size_t> found;
+  SampleRow square;
+  const auto largest = [&](const Rows& rows, Eigen::Index row, Eigen::Index height, Eigen::Index from) {
+    square = rows.row(row).segment(from, count).square();
+    for (Eigen::Index a = 1; a < height; ++a) square += rows.row(row + a).segment(from, count).square();
+    return std::sqrt(square.maxCoeff());
+  };
+  for (std::size_t k = 0; k < effect.points.size(); ++k) {
+    const Eigen::Index q = effect.points[k], height = row_count(q);
+    const float step = amount * largest(effect.values, 3 * static_cast<Eigen::Index>(k), height, first - effect.from);
+    if (largest(error, first_row(q), height, first) + step > limit) found.push_back(k);
+  }
+  return found;
+}
+
 void MotionMap::square_after(const Effect& effect, std::size_t k, Eigen::Index first, const SampleRow& shares,
                              const Rows& error, SampleRow& square) const {
   const Eigen::Index count = shares.size(), q = effect.points[k];

@@ -105,7 +105,12 @@ class MotionMap {
   /// error += shares * effect, at the samples from `first` on (all within the effect's).
   void add(const Effect& effect, Eigen::Index first, const SampleRow& shares, Rows& error) const;
 
-  /// The squared error of the effect's k-th point at these samples after that.
+  /// Those of the effect's points (as indices into them) whose error could get above `limit` at `count` samples from
+  /// `first` on by adding up to `amount` times the effect.
+  std::vector<std::size_t> endangered(const Effect& effect, Eigen::Index first, Eigen::Index count, float amount,
+                                      const Rows& error, float limit) const;
+
+  /// The squared error of the effect's k-th point at these samples after adding shares * effect.
   void square_after(const Effect& effect, std::size_t k, Eigen::Index first, const SampleRow& shares, const Rows& error,
                     SampleRow& square) const;
 

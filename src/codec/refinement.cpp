@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "codec/features.h"
 
@@ -70,13 +72,15 @@ class Refiner {
       for (Eigen::Index i = 0; i < moving_; ++i) {
         if ((window.levels.row(i).array() == 0).all()) continue;
         const Effect effect = map_.effect(i, window.first, window.samples);
+        std::vector<std::size_t> endangered = endangered_by(effect, window, i);
         for (Eigen::Index j = window.levels.cols(); j-- > 0;) {
           const int level = window.levels(i, j);
           if (level == 0) continue;
           const SampleRow change = window.features.row(j).array() * (level > 0 ? -window.step(i) : window.step(i));
-          if (excess_after(effect, window.first, change) > 0) continue;
+          if (goes_above(effect, endangered, window.first, change)) continue;
           window.levels(i, j) -= level > 0 ? 1 : -1;
           map_.add(effect, window.first, change, error_);
+          endangered = endangered_by(effect, window, i);
         }
       }
     }
@@ -90,6 +94,7 @@ class Refiner {
     const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
     error_ = map_.positions(now) - wanted_;
     map_.linearise(0.5 * (now + layout_.values));
+    forget_effects();
   }
 
   /// What squared errors (in units of the bound) above one weigh.
@@ -115,14 +120,45 @@ class Refiner {
     return sum;
   }
 
-  double excess_after(const Effect& effect, Eigen::Index first, const SampleRow& change) const {
+  /// The effect of a parameter on a window's samples; valid until the next call.
+  const Effect& effect_of(const DenseWindow& window, Eigen::Index i) {
+    const auto key = std::make_pair(window.first, i);
+    if (const auto known = effects_.find(key); known != effects_.end()) return known->second;
+    if (effect_numbers_ > most_effect_numbers) forget_effects();
+    Effect effect = map_.effect(i, window.first, window.samples);
+    effect_numbers_ += effect.values.size();
+    return effects_.emplace(key, std::move(effect)).first->second;
+  }
+
+  void forget_effects() {
+    effects_.clear();
+    effect_numbers_ = 0;
+  }
+
+  /// Points that one step of any of a parameter's levels could bring above the bound.
+  std::vector<std::size_t> endangered_by(const Effect& effect, const DenseWindow& window, Eigen::Index i) const {
+    const float amount = window.step(i) * window.features.cwiseAbs().maxCoeff();
+    return map_.endangered(effect, window.first, window.samples, amount, error_, static_cast<float>(bound_));
+  }
+
+  double excess_after(const Effect& effect, const std::vector<std::size_t>& endangered, Eigen::Index first,
+                      const SampleRow& change) const {
     double sum = 0;
     SampleRow square;
-    for (std::size_t k = 0; k < effect.points.size(); ++k) {
+    for (const std::size_t k : endangered) {
       map_.square_after(effect, k, first, change, error_, square);
       sum += static_cast<double>(excess_of(square * unit()).sum());
     }
     return sum;
+  }
+
+  bool goes_above(const Effect& effect, const std::vector<std::size_t>& endangered, Eigen::Index first,
+                  const SampleRow& change) const {
+    SampleRow square;
+    return std::any_of(endangered.begin(), endangered.end(), [&](std::size_t k) {
+      map_.square_after(effect, k, first, change, error_, square);
+      return square.maxCoeff() * unit() > 1.0f;
+    });
   }
 
   /// The slope of the total excess by every moving parameter at every sample.
@@ -180,14 +216,15 @@ class Refiner {
     std::stable_sort(order.begin(), order.end(),
                      [&](Eigen::Index a, Eigen::Index b) { return std::abs(slope(a)) > std::abs(slope(b)); });
     if (order.size() > most) order.resize(most);
-    const Effect effect = map_.effect(i, window.first, window.samples);
-    const double before = excess_after(effect, window.first, SampleRow::Zero(window.samples));
+    const Effect& effect = effect_of(window, i);
+    const std::vector<std::size_t> endangered = endangered_by(effect, window, i);
+    const double before = excess_after(effect, endangered, window.first, SampleRow::Zero(window.samples));
     double best_gain = 0;
     Eigen::Index best = -1;
     for (const Eigen::Index j : order) {
       const int direction = slope(j) > 0 ? -1 : 1;
       const SampleRow change = window.features.row(j).array() * (window.step(i) * static_cast<float>(direction));
-      const double fall = before - excess_after(effect, window.first, change);
+      const double fall = before - excess_after(effect, endangered, window.first, change);
       const double bits = bits_of(window.levels(i, j) + direction) - bits_of(window.levels(i, j));
       const double gain = fall / std::max(1.0, 4 + bits);
       if (fall > 1e-4 * before && gain > best_gain) {
@@ -223,6 +260,9 @@ class Refiner {
   Eigen::Index samples_, moving_;
   std::vector<DenseWindow> windows_;
   Rows error_;
+  static constexpr Eigen::Index most_effect_numbers = 8 << 20;
+  std::map<std::pair<Eigen::Index, Eigen::Index>, Effect> effects_;  ///< by first sample and parameter
+  Eigen::Index effect_numbers_ = 0;
 };
 
 }  // namespace
