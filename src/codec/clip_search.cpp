@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
+#include "codec/between.h"
 #include "codec/contacts.h"
 #include "codec/corrections.h"
 #include "codec/refinement.h"
@@ -27,10 +29,10 @@ struct SearchPlan {
 
 /// Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
 SearchPlan plan_of(int effort, std::size_t samples) {
-  const int fewer = static_cast<int>(std::clamp<std::size_t>(samples / 400, 1, 5));
+  const int fewer = static_cast<int>(std::clamp<std::size_t>(samples / 160, 1, 5));
   if (effort <= 1) return {60, 40, 3 / fewer, 0};
   if (effort <= 3) return {80, 60, 6 / fewer, 0};
-  if (effort <= 5) return {100, 70, 8 / fewer, fewer > 1 ? 0 : 100};
+  if (effort <= 5) return {100, 70, 7 / fewer, fewer > 2 ? 0 : 100};
   if (effort <= 7) return {250, 200, 16, 400};
   return {500, 400, 24, 1000};
 }
@@ -69,6 +71,7 @@ class ClipSearch {
       : context_(context),
         prepared_(prepared),
         clip_(context.source.clips[index]),
+        threads_(clip_.clip.times.size() < worth_threads ? 1 : context.threads),
         map_(context.source.skeleton, context.frame, prepared.layout, context.source.points, prepared.coded) {}
 
   LevelClip run() {
@@ -89,6 +92,7 @@ class ClipSearch {
   }
 
  private:
+  static constexpr std::size_t worth_threads = 1000;  ///< samples from which threads gain more than they cost
   static constexpr double usual_rate = 0.2;
   static constexpr int stride = 3;   ///< of the search, in quarters of an octave of step size
   static constexpr int finest = 24;  ///< step exponent
@@ -134,7 +138,9 @@ class ClipSearch {
       int exponent;
       double rate;
     };
-    constexpr std::array<Move, 4> moves{{{-stride, 1}, {stride, 1}, {0, 2}, {0, 0.5}}};
+    constexpr std::array<Move, 4> all{{{-stride, 1}, {0, 2}, {0, 0.5}, {stride, 1}}};
+    // Finer steps hardly ever make a smaller clip.
+    const std::span<const Move> moves(all.data(), context_.effort > 5 ? 4 : 3);
     int left = plan.trials;
     for (std::size_t failed = 0, at = 0; failed < moves.size() && left > 0; --left) {
       Trial trial = neighbour(current, moves[at].exponent, moves[at].rate, plan.iterations);
@@ -154,7 +160,7 @@ class ClipSearch {
                                         .offset = &prepared_.offset,
                                         .emphasis = &prepared_.emphasis,
                                         .tolerance = context_.source.tolerance,
-                                        .threads = context_.threads,
+                                        .threads = threads_,
                                         .start = start},
                                        map_, settings);
     trained.levels.times = clip_.clip.times;
@@ -179,14 +185,16 @@ class ClipSearch {
         20 + std::min(trial.bytes, best_ ? best_bytes_ - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
     if (settings.iterations > 0) {
       if (usual_error(levels) > hopeless) return trial;
-      repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance * 0.99);
+      repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance * 0.99,
+             threads_);
       if (usual_error(levels) > hopeless_repaired) return trial;
     }
     trial.kept = bring_within_bound(levels, room);
     const std::size_t was = bytes_of(levels);
     if (trial.kept && static_cast<double>(was) < worth_pruning * static_cast<double>(best_bytes_)) {
       LevelClip pruned = levels;
-      prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance);
+      prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance,
+            threads_);
       const bool ok = bring_within_bound(pruned, room);
       if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
     }
@@ -200,7 +208,7 @@ class ClipSearch {
   /// The median over the samples of the largest error, in units of the tolerance.
   float usual_error(const LevelClip& levels) const {
     const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-    const Rows error = map_.positions(values) - prepared_.wanted;
+    const Rows error = map_.positions(values, threads_) - prepared_.wanted;
     SampleRow largest = SampleRow::Zero(error.cols());
     for (Eigen::Index q = 0; q < map_.seen_count(); ++q)
       largest = largest.max(error.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum());
@@ -223,9 +231,11 @@ class ClipSearch {
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
     for (int round = 0; round < rounds; ++round) {
       if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance,
-                   strictness, most_atoms, context_.threads))
+                   strictness, most_atoms, threads_))
         return false;
-      if (!tighten(error_profile(levels), strictness)) return true;
+      const motion::ErrorProfile profile = error_profile(levels);
+      if (!tighten(profile, 1 + 0.1 * round, strictness)) return true;
+      mend_flips(profile, round < 3 ? 1.5 : 1, levels);
     }
     return false;
   }
@@ -233,20 +243,37 @@ class ClipSearch {
   motion::ErrorProfile error_profile(const LevelClip& levels) const {
     const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
     return context_.meter.profile(
-        clip_.original, with_kept(clip_, clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values)));
+        clip_.original, with_kept(clip_, clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values)),
+        threads_);
   }
 
-  /// Makes the samples next to each time above the bound stricter. False where there is none.
-  bool tighten(const motion::ErrorProfile& profile, SampleRow& strictness) const {
-    const double most = 0.999 * context_.source.tolerance, goal = aim * context_.source.tolerance;
+  /// Where the error between two samples is `far` times the bound or more, what goes wrong there is set right on both
+  /// sides.
+  void mend_flips(const motion::ErrorProfile& profile, double far, LevelClip& levels) const {
+    const std::vector<float>& times = clip_.clip.times;
+    Eigen::MatrixXd values;
+    for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
+      if (!(profile.max_error[k] > far * context_.source.tolerance)) continue;
+      const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
+      if (next == 0 || next == std::ssize(times)) continue;
+      if (values.size() == 0) values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+      mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next, profile.seconds[k],
+                   aim * context_.source.tolerance, values, levels);
+    }
+  }
+
+  /// Makes the samples next to each time above the bound stricter, by `least` or more. False where there is none.
+  bool tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
+    constexpr double most = 1.5;  // at once
+    const double bound = 0.999 * context_.source.tolerance, goal = aim * context_.source.tolerance;
     const std::vector<float>& times = clip_.clip.times;
     SampleRow factor = SampleRow::Ones(strictness.size());
     bool above = false;
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
-      if (profile.max_error[k] <= most) continue;
+      if (profile.max_error[k] <= bound) continue;
       above = true;
       const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
-      const auto worse = static_cast<float>(std::min(profile.max_error[k] / goal, 100.0));
+      const auto worse = static_cast<float>(std::clamp(profile.max_error[k] / goal, least, std::max(least, most)));
       for (const std::ptrdiff_t n : {next - 1, next})
         if (n >= 0 && n < strictness.size()) factor(n) = std::max(factor(n), worse);
     }
@@ -257,6 +284,7 @@ class ClipSearch {
   const SearchContext& context_;
   const PreparedClip& prepared_;
   const ClipSource& clip_;
+  int threads_;
   MotionMap map_;
   std::optional<LevelClip> best_;
   std::size_t best_bytes_ = std::numeric_limits<std::size_t>::max();

@@ -3,9 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "base/parallel.h"
+#include "codec/atoms.h"
 #include "codec/features.h"
 
 namespace nmc::codec {
@@ -45,11 +47,11 @@ class Corrector {
     std::size_t changes = 0;
     for (int round = 0; round < rounds; ++round) {
       values_ = values_of_levels(clip_, steps_, samples_);
-      error_ = (map_.positions(values_) - wanted_).rowwise() * strictness_;
+      error_ = (map_.positions(values_, threads_) - wanted_).rowwise() * strictness_;
       measure(0, samples_);
       if (largest().second <= bound_) return true;
-      map_.linearise(0.5 * (values_ + layout_.values));
-      restored_.assign(static_cast<std::size_t>(samples_), false);
+      map_.linearise(0.5 * (values_ + layout_.values), threads_);
+      restored_.assign(static_cast<std::size_t>(samples_), 0);
       if (round >= linear_rounds) restore_all();
       // Linear predictions are off by a little: aim lower each time.
       aim_ = bound_ * (0.995 - 0.02 * round);
@@ -62,7 +64,7 @@ class Corrector {
   }
 
  private:
-  static constexpr int rounds = 8, linear_rounds = 2;
+  static constexpr int rounds = 8, linear_rounds = 2, most_restorations = 3;
 
   /// Finds the largest error of each of some samples anew.
   void measure(Eigen::Index from, Eigen::Index count) {
@@ -206,15 +208,8 @@ class Corrector {
     return true;
   }
 
-  /// A second atom at the same place is added to the first.
   void put(const LevelAtom& atom) {
-    const auto same = std::find_if(clip_.atoms.begin(), clip_.atoms.end(), [&](const LevelAtom& other) {
-      return other.sample == atom.sample && other.parameter == atom.parameter && other.width == atom.width;
-    });
-    if (same == clip_.atoms.end())
-      clip_.atoms.push_back(atom);
-    else
-      same->level += atom.level;
+    put_atom(atom, clip_.atoms);
     add_atom_values(atom, steps_, values_);
   }
 
@@ -327,19 +322,55 @@ class Corrector {
     }
   }
 
-  /// Where nothing smaller helps: every parameter of the sample is brought to its true value. False where that was done
-  /// before and did not help.
+  /// Where the linear map does not lead under the bound: brings one target after the other to its true values, each
+  /// time the one that helps most, until the sample is within the aim. False where that was done and did not last.
   bool restore_sample(Eigen::Index n) {
-    if (restored_[static_cast<std::size_t>(n)]) return false;
-    restored_[static_cast<std::size_t>(n)] = true;
-    for (Eigen::Index i = 0; i < moving_; ++i) {
-      const double missing = layout_.values(parameter(i), n) - values_(parameter(i), n);
-      if (const auto level = static_cast<std::int32_t>(std::lround(missing / step_of(i))); level != 0)
-        put({static_cast<std::uint32_t>(n), static_cast<int>(parameter(i)), 0, level});
-    }
+    if (++restored_[static_cast<std::size_t>(n)] > most_restorations) return false;
+    take_back(n);
+    std::vector<const LayoutBlock*> left;
+    for (const LayoutBlock& block : layout_.blocks)
+      if (block.state != State::fixed) left.push_back(&block);
     error_.col(n) = exact_error(values_.col(n), n);
+    while (!left.empty() && sample_excess(error_.col(n).matrix()) > 0) {
+      std::size_t best = 0;
+      Rows best_error;
+      double best_excess = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < left.size(); ++k) {
+        Eigen::MatrixXd values = values_.col(n);
+        for (const LevelAtom& atom : missing_atoms(layout_, steps_, *left[k], n, values_))
+          values(atom.parameter, 0) += atom.level * steps_.anchor(atom.parameter);
+        const Rows error = exact_error(values, n);
+        if (const double excess = sample_excess(error.matrix()); k == 0 || excess < best_excess) {
+          best = k;
+          best_excess = excess;
+          best_error = error;
+        }
+      }
+      for (const LevelAtom& atom : missing_atoms(layout_, steps_, *left[best], n, values_)) put(atom);
+      error_.col(n) = best_error;
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+    }
     measure(n, 1);
     return true;
+  }
+
+  /// Removes the atoms of sample n alone: where the map was wrong, they made things worse.
+  void take_back(Eigen::Index n) {
+    std::erase_if(clip_.atoms, [&](LevelAtom atom) {
+      if (atom.sample != static_cast<std::uint32_t>(n) || atom.width != 0) return false;
+      atom.level = -atom.level;
+      add_atom_values(atom, steps_, values_);
+      return true;
+    });
+  }
+
+  /// What the squared errors of one sample, in units of the aim, lie above the bound.
+  double sample_excess(const Eigen::VectorXf& error) const {
+    const Eigen::VectorXf square = squares(error);
+    double sum = 0;
+    for (Eigen::Index q = 0; q < map_.seen_count(); ++q)
+      sum += static_cast<double>(std::max(0.0f, square(map_.first_row(q)) - 1.0f));
+    return sum;
   }
 
   /// For samples where the linear map does not lead under the bound.
@@ -367,7 +398,7 @@ class Corrector {
   std::vector<Eigen::Index> worst_point_of_;  ///< per sample
   Rows error_;                                ///< times the strictness
   Eigen::MatrixXd values_;                    ///< what the levels mean, all parameters x samples
-  std::vector<bool> restored_;                ///< per sample
+  std::vector<int> restored_;                 ///< per sample: how often
 };
 
 }  // namespace

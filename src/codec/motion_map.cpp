@@ -139,10 +139,19 @@ void MotionMap::world(const Eigen::MatrixXd& values, Eigen::Index n, std::vector
   }
 }
 
-Rows MotionMap::positions(const Eigen::MatrixXd& values) const {
+Rows MotionMap::positions(const Eigen::MatrixXd& values, int threads) const {
   Rows out(error_rows(), values.cols());
+  const Eigen::Index blocks = (values.cols() + lanes - 1) / lanes;
+  parallel_for(static_cast<std::size_t>(blocks), threads, [&](std::size_t block) {
+    const Eigen::Index first = static_cast<Eigen::Index>(block) * lanes;
+    positions(values, first, std::min(values.cols(), first + lanes), out);
+  });
+  return out;
+}
+
+void MotionMap::positions(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index end, Rows& out) const {
   std::vector<glm::dmat4> world_of(movers_.size());
-  for (Eigen::Index n = 0; n < values.cols(); ++n) {
+  for (Eigen::Index n = first; n < end; ++n) {
     world(values, n, world_of);
     for (Eigen::Index i = 0; i < point_count(); ++i) {
       glm::dvec3 p(0.0);
@@ -156,7 +165,6 @@ Rows MotionMap::positions(const Eigen::MatrixXd& values) const {
       out(3 * point_count() + static_cast<Eigen::Index>(m), n) =
           static_cast<float>(morphs_[m].reach * values(morphs_[m].value, n));
   }
-  return out;
 }
 
 void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, const Eigen::MatrixXd& values,
@@ -179,11 +187,16 @@ void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, 
   }
 }
 
-void MotionMap::linearise(const Eigen::MatrixXd& values) {
+void MotionMap::linearise(const Eigen::MatrixXd& values, int threads) {
   samples_ = values.cols();
   rows_.setZero(lanes, row_count_ * block_count());
+  parallel_for(static_cast<std::size_t>(block_count()), threads,
+               [&](std::size_t block) { linearise_block(values, static_cast<Eigen::Index>(block)); });
+}
+
+void MotionMap::linearise_block(const Eigen::MatrixXd& values, Eigen::Index block) {
   std::vector<glm::dmat4> world_of(movers_.size());
-  for (Eigen::Index n = 0; n < samples_; ++n) {
+  for (Eigen::Index n = block * lanes; n < std::min(samples_, (block + 1) * lanes); ++n) {
     world(values, n, world_of);
     for (std::size_t i = 0; i < movers_.size(); ++i) {
       const Mover& mover = movers_[i];

@@ -79,10 +79,10 @@ class MotionMap {
 
   /// World positions of the points (and reach times weight of morph targets) for `values` (all parameters of the layout
   /// x samples).
-  Rows positions(const Eigen::MatrixXd& values) const;
+  Rows positions(const Eigen::MatrixXd& values, int threads = 1) const;
 
   /// Makes the linear map at these values.
-  void linearise(const Eigen::MatrixXd& values);
+  void linearise(const Eigen::MatrixXd& values, int threads = 1);
 
   /// error = J delta; delta is free parameters x samples, for the samples from `from` on.
   void errors(const Rows& delta, Rows& error, Eigen::Index from = 0) const;
@@ -147,8 +147,10 @@ class MotionMap {
     double reach = 0;
   };
 
+  void positions(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index end, Rows& out) const;
   void world(const Eigen::MatrixXd& values, Eigen::Index sample, std::vector<glm::dmat4>& world) const;
   glm::dquat rotation(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index sample) const;
+  void linearise_block(const Eigen::MatrixXd& values, Eigen::Index block);
   void linearise_rotation(const Mover& mover, const glm::dmat3& above, const Eigen::MatrixXd& values,
                           Eigen::Index sample);
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <utility>
 
+#include "base/parallel.h"
 #include "codec/features.h"
 
 namespace nmc::codec {
@@ -13,9 +13,10 @@ namespace {
 /// A window's levels as a matrix.
 struct DenseWindow {
   Eigen::Index first = 0, samples = 0;
-  Eigen::MatrixXf features;  ///< features x samples
-  Eigen::VectorXf step;      ///< per moving parameter
-  Eigen::MatrixXi levels;    ///< moving parameters x features
+  Eigen::MatrixXf features;                ///< features x samples
+  Eigen::VectorXf step;                    ///< per moving parameter
+  Eigen::MatrixXi levels;                  ///< moving parameters x features
+  std::map<Eigen::Index, Effect> effects;  ///< those asked for, by moving parameter
 };
 
 /// About how many bits a level costs: the shape of the coder's numbers with usual contexts.
@@ -24,13 +25,14 @@ double bits_of(int level) { return level == 0 ? 0.4 : 4.5 + 2.0 * std::log2(stat
 class Refiner {
  public:
   Refiner(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-          double bound)
+          double bound, int threads)
       : clip_(clip),
         layout_(layout),
         steps_(steps),
         map_(map),
         wanted_(wanted),
         bound_(bound),
+        threads_(threads),
         samples_(layout.values.cols()),
         moving_(static_cast<Eigen::Index>(layout.moving.size())) {
     std::vector<Eigen::Index> moving_of(layout.parameters.size(), -1);
@@ -68,22 +70,7 @@ class Refiner {
 
   void prune() {
     if (largest() > bound_) return;
-    for (DenseWindow& window : windows_) {
-      for (Eigen::Index i = 0; i < moving_; ++i) {
-        if ((window.levels.row(i).array() == 0).all()) continue;
-        const Effect effect = map_.effect(i, window.first, window.samples);
-        std::vector<std::size_t> endangered = endangered_by(effect, window, i);
-        for (Eigen::Index j = window.levels.cols(); j-- > 0;) {
-          const int level = window.levels(i, j);
-          if (level == 0) continue;
-          const SampleRow change = window.features.row(j).array() * (level > 0 ? -window.step(i) : window.step(i));
-          if (goes_above(effect, endangered, window.first, change)) continue;
-          window.levels(i, j) -= level > 0 ? 1 : -1;
-          map_.add(effect, window.first, change, error_);
-          endangered = endangered_by(effect, window, i);
-        }
-      }
-    }
+    parallel_for(windows_.size(), threads_, [&](std::size_t w) { prune_window(windows_[w]); });
     store();
   }
 
@@ -92,9 +79,9 @@ class Refiner {
 
   void start() {
     const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
-    error_ = map_.positions(now) - wanted_;
-    map_.linearise(0.5 * (now + layout_.values));
-    forget_effects();
+    error_ = map_.positions(now, threads_) - wanted_;
+    map_.linearise(0.5 * (now + layout_.values), threads_);
+    for (DenseWindow& window : windows_) window.effects.clear();
   }
 
   /// What squared errors (in units of the bound) above one weigh.
@@ -120,19 +107,11 @@ class Refiner {
     return sum;
   }
 
-  /// The effect of a parameter on a window's samples; valid until the next call.
-  const Effect& effect_of(const DenseWindow& window, Eigen::Index i) {
-    const auto key = std::make_pair(window.first, i);
-    if (const auto known = effects_.find(key); known != effects_.end()) return known->second;
-    if (effect_numbers_ > most_effect_numbers) forget_effects();
-    Effect effect = map_.effect(i, window.first, window.samples);
-    effect_numbers_ += effect.values.size();
-    return effects_.emplace(key, std::move(effect)).first->second;
-  }
-
-  void forget_effects() {
-    effects_.clear();
-    effect_numbers_ = 0;
+  /// The effect of a parameter on the window's samples; valid until the next call.
+  const Effect& effect_of(DenseWindow& window, Eigen::Index i) const {
+    if (const auto known = window.effects.find(i); known != window.effects.end()) return known->second;
+    if (window.effects.size() * windows_.size() >= most_effects) window.effects.clear();
+    return window.effects.emplace(i, map_.effect(i, window.first, window.samples)).first->second;
   }
 
   /// Points that one step of any of a parameter's levels could bring above the bound.
@@ -175,8 +154,26 @@ class Refiner {
     return gradient.matrix();
   }
 
+  void prune_window(DenseWindow& window) {
+    for (Eigen::Index i = 0; i < moving_; ++i) {
+      if ((window.levels.row(i).array() == 0).all()) continue;
+      const Effect effect = map_.effect(i, window.first, window.samples);
+      std::vector<std::size_t> endangered = endangered_by(effect, window, i);
+      for (Eigen::Index j = window.levels.cols(); j-- > 0;) {
+        const int level = window.levels(i, j);
+        if (level == 0) continue;
+        const SampleRow change = window.features.row(j).array() * (level > 0 ? -window.step(i) : window.step(i));
+        if (goes_above(effect, endangered, window.first, change)) continue;
+        window.levels(i, j) -= level > 0 ? 1 : -1;
+        map_.add(effect, window.first, change, error_);
+        endangered = endangered_by(effect, window, i);
+      }
+    }
+  }
+
   struct Move {
-    Eigen::Index window = 0, parameter = 0;
+    std::size_t window = 0;
+    Eigen::Index parameter = 0;
     double promise = 0;
   };
 
@@ -193,18 +190,19 @@ class Refiner {
         double most = 0;
         for (Eigen::Index j = 0; j < window.levels.cols(); ++j)
           if (window.levels(i, j) != 0) most = std::max(most, std::abs(static_cast<double>(slope.back()(i, j))));
-        if (most > 0) moves.push_back({static_cast<Eigen::Index>(w), i, most});
+        if (most > 0) moves.push_back({w, i, most});
       }
     }
     std::stable_sort(moves.begin(), moves.end(), [](const Move& a, const Move& b) { return a.promise > b.promise; });
     const std::size_t most = std::max<std::size_t>(24, moves.size() / 4);
     if (moves.size() > most) moves.resize(most);
-    bool moved = false;
-    for (const Move& move : moves)
-      moved = try_parameter(windows_[static_cast<std::size_t>(move.window)], move.parameter,
-                            slope[static_cast<std::size_t>(move.window)].row(move.parameter)) ||
-              moved;
-    return moved;
+    // Windows share no samples.
+    std::vector<std::size_t> moved(windows_.size());
+    parallel_for(windows_.size(), threads_, [&](std::size_t w) {
+      for (const Move& move : moves)
+        if (move.window == w) moved[w] += try_parameter(windows_[w], move.parameter, slope[w].row(move.parameter));
+    });
+    return std::any_of(moved.begin(), moved.end(), [](std::size_t count) { return count > 0; });
   }
 
   /// The best single step among the parameter's features.
@@ -257,24 +255,23 @@ class Refiner {
   MotionMap& map_;
   const Rows& wanted_;
   double bound_;
+  int threads_;
   Eigen::Index samples_, moving_;
   std::vector<DenseWindow> windows_;
   Rows error_;
-  static constexpr Eigen::Index most_effect_numbers = 8 << 20;
-  std::map<std::pair<Eigen::Index, Eigen::Index>, Effect> effects_;  ///< by first sample and parameter
-  Eigen::Index effect_numbers_ = 0;
+  static constexpr std::size_t most_effects = 500;  ///< kept at a time
 };
 
 }  // namespace
 
 void repair(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-            double bound) {
-  if (!layout.moving.empty()) Refiner(clip, layout, steps, map, wanted, bound).repair();
+            double bound, int threads) {
+  if (!layout.moving.empty()) Refiner(clip, layout, steps, map, wanted, bound, threads).repair();
 }
 
 void prune(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-           double bound) {
-  if (!layout.moving.empty()) Refiner(clip, layout, steps, map, wanted, bound).prune();
+           double bound, int threads) {
+  if (!layout.moving.empty()) Refiner(clip, layout, steps, map, wanted, bound, threads).prune();
 }
 
 }  // namespace nmc::codec

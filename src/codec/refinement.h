@@ -9,13 +9,14 @@
 namespace nmc::codec {
 
 /// Moves weights one level up or down as long as that lowers what lies above `bound` (world units), anywhere in the
-/// clip, at few bits. `wanted`: positions of the map's points. The bound need not be reached.
+/// clip, at few bits. `wanted`: positions of the map's points. The bound need not be reached. The result does not
+/// depend on `threads`.
 void repair(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-            double bound);
+            double bound, int threads = 1);
 
 /// Moves weights of a clip that is within `bound` towards zero, smallest first, where it stays within the bound (by the
 /// linear map: up to second order).
 void prune(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-           double bound);
+           double bound, int threads = 1);
 
 }  // namespace nmc::codec

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "codec/atoms.h"
 #include "codec/features.h"
 
 namespace nmc::codec {
@@ -17,6 +18,11 @@ struct Trained {
   void start(Matrix levels) {
     level = std::move(levels);
     gradient = first = second = Matrix::Zero(level.rows(), level.cols());
+  }
+
+  /// Keeps the first columns.
+  void shorten(Eigen::Index columns) {
+    for (Matrix* part : {&level, &gradient, &first, &second}) *part = part->leftCols(columns).eval();
   }
 
   void step(float rate, float first_correction, float second_correction) {
@@ -215,7 +221,8 @@ class Trainer {
         Eigen::MatrixXd middle = layout_.values;
         for (Eigen::Index i = 0; i < parameters_; ++i)
           middle.row(parameter(i)) = 0.5 * (middle.row(parameter(i)) + now.row(i).cast<double>());
-        map_.linearise(middle);
+        map_.linearise(middle, input_.threads);
+        if (it > 0) drop_unused_features();
       }
       delta_ = (now - truth_).array();
       if (it % refocus == 0) focus = map_.focus(delta_, offset_, input_.tolerance, input_.threads);
@@ -232,6 +239,17 @@ class Trainer {
       for (Window& window : windows_)
         if (window.features.rows() > 0) window.weights.step(0.15f * speed, c1, c2);
       anchors_.step(0.3f * speed, c1, c2);
+    }
+  }
+
+  /// The fastest features hardly ever come back once no parameter uses them.
+  void drop_unused_features() {
+    for (Window& window : windows_) {
+      const Matrix& levels = window.weights.level;
+      Eigen::Index count = levels.cols();
+      while (count > 0 && levels.col(count - 1).cwiseAbs().maxCoeff() < 0.5f) --count;
+      window.weights.shorten(count);
+      window.features = window.features.topRows(count).eval();
     }
   }
 
@@ -295,13 +313,6 @@ TrainedClip train_sparse(const TrainingInput& input, MotionMap& map, const Spars
 
 std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, Eigen::Index parameter) {
   return static_cast<std::int32_t>(std::lround(layout.values(parameter, 0) / steps.anchor(parameter)));
-}
-
-void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values) {
-  const Eigen::Index at = atom.sample, half = Eigen::Index{1} << atom.width;
-  const Eigen::Index end = std::min<Eigen::Index>(values.cols(), at + half);
-  for (Eigen::Index n = std::max<Eigen::Index>(0, at - half + 1); n < end; ++n)
-    values(atom.parameter, n) += atom.level * steps.anchor(atom.parameter) * atom_share(std::abs(n - at), atom.width);
 }
 
 Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples) {

@@ -61,7 +61,4 @@ std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, 
 /// The parameters (parameters x samples) that levels stand for.
 Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples);
 
-/// Adds what one atom means to the values (all parameters x samples).
-void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values);
-
 }  // namespace nmc::codec

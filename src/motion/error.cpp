@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "motion/contact.h"
 #include "motion/index.h"
 #include "motion/pose.h"
@@ -273,20 +274,37 @@ ErrorReport ErrorMeter::report(const Animation& original, const Animation& decod
   return report;
 }
 
-ErrorProfile ErrorMeter::profile(const Animation& original, const Animation& decoded) const {
+double ErrorMeter::error_at(const Animation& original, const Animation& decoded, double seconds) const {
   Comparison comparison(*skeleton_, *points_, original, decoded);
-  ErrorProfile profile;
+  comparison.read(seconds);
   WorstPoint worst;
-  for (const SampleTime& sample : sample_times(original)) {
-    comparison.read(sample.seconds);
-    worst = {0.0, -1, worst.cluster};
-    search_.raise(comparison.difference(), worst);
-    MorphError morph;
-    comparison.raise_morph(morph);
-    profile.seconds.push_back(sample.seconds);
-    profile.max_error.push_back(std::max(worst.error, morph.error));
-    profile.worst_point.push_back(morph.error > worst.error ? -1 : worst.point);
-  }
+  search_.raise(comparison.difference(), worst);
+  MorphError morph;
+  comparison.raise_morph(morph);
+  return std::max(worst.error, morph.error);
+}
+
+ErrorProfile ErrorMeter::profile(const Animation& original, const Animation& decoded, int threads) const {
+  constexpr std::size_t part = 512;  // times that one thread looks at in a row: the worst place moves slowly
+  const std::vector<SampleTime> samples = sample_times(original);
+  ErrorProfile profile;
+  profile.seconds.resize(samples.size());
+  profile.max_error.resize(samples.size());
+  profile.worst_point.resize(samples.size());
+  parallel_for((samples.size() + part - 1) / part, threads, [&](std::size_t k) {
+    Comparison comparison(*skeleton_, *points_, original, decoded);
+    WorstPoint worst;
+    for (std::size_t n = k * part; n < std::min(samples.size(), (k + 1) * part); ++n) {
+      comparison.read(samples[n].seconds);
+      worst = {0.0, -1, worst.cluster};
+      search_.raise(comparison.difference(), worst);
+      MorphError morph;
+      comparison.raise_morph(morph);
+      profile.seconds[n] = samples[n].seconds;
+      profile.max_error[n] = std::max(worst.error, morph.error);
+      profile.worst_point[n] = morph.error > worst.error ? -1 : worst.point;
+    }
+  });
   return profile;
 }
 

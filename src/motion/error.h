@@ -55,7 +55,9 @@ class ErrorMeter {
   ErrorMeter(const Skeleton& skeleton, const Points& points);
 
   ErrorReport report(const Animation& original, const Animation& decoded) const;
-  ErrorProfile profile(const Animation& original, const Animation& decoded) const;
+  /// As ErrorReport.max at one time, in seconds.
+  double error_at(const Animation& original, const Animation& decoded, double seconds) const;
+  ErrorProfile profile(const Animation& original, const Animation& decoded, int threads = 1) const;
 
  private:
   const Skeleton* skeleton_;

@@ -1,0 +1,30 @@
+// Errors between samples: where a rotation turns so far in one step that a small error on either side sends it another
+// way, its values on both sides are set right.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "codec/clip_layout.h"
+#include "codec/clip_set.h"
+#include "codec/source.h"
+#include "codec/sparse_training.h"
+#include "motion/error.h"
+
+namespace nmc::codec {
+
+/// What is needed to look between the samples of a clip; all of it outlives this.
+struct BetweenInput {
+  const ClipSource& clip;
+  const SetFrame& frame;
+  const ClipLayout& layout;
+  const ParameterSteps& steps;
+  const motion::ErrorMeter& meter;
+};
+
+/// Brings one target after the other to its true values at samples n - 1 and n, each time the one that helps most,
+/// until the error at `seconds` between them is within `bound` (world units) or no target is left. `values` (all
+/// parameters x samples) are those of the levels, and follow them.
+void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
+                  LevelClip& levels);
+
+}  // namespace nmc::codec
