@@ -2,10 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "codec/features.h"
 
 namespace nmc::codec {
+namespace {
+
+using Lists = std::vector<std::vector<LevelAtom>>;
+
+double bits(const std::vector<LevelAtom>& atoms) {
+  double sum = 0;
+  for (const LevelAtom& atom : atoms) sum += 12 + 2 * std::log2(std::abs(static_cast<double>(atom.level)));
+  return sum;
+}
+
+std::vector<LevelAtom> joined(const Lists& lists) {
+  std::vector<LevelAtom> all;
+  for (const std::vector<LevelAtom>& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+/// The lists that lower the excess most, one after the other; nothing where a few do not bring it to 0.
+std::optional<std::vector<LevelAtom>> few_atoms(const Lists& lists,
+                                                const std::function<double(const std::vector<LevelAtom>&)>& excess) {
+  constexpr int most = 5;
+  std::vector<LevelAtom> chosen;
+  double now = excess(chosen);
+  for (int k = 0; k < most && now > 0; ++k) {
+    std::vector<LevelAtom> best;
+    for (const std::vector<LevelAtom>& list : lists) {
+      std::vector<LevelAtom> with = joined({chosen, list});
+      if (const double then = excess(with); then < now) {
+        now = then;
+        best = std::move(with);
+      }
+    }
+    if (best.empty()) return {};
+    chosen = std::move(best);
+  }
+  return now > 0 ? std::nullopt : std::optional(chosen);
+}
+
+}  // namespace
 
 void put_atom(const LevelAtom& atom, std::vector<LevelAtom>& atoms) {
   const auto same = std::find_if(atoms.begin(), atoms.end(), [&](const LevelAtom& other) {
@@ -24,16 +64,34 @@ void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::
     values(atom.parameter, n) += atom.level * steps.anchor(atom.parameter) * atom_share(std::abs(n - at), atom.width);
 }
 
-std::vector<LevelAtom> missing_atoms(const ClipLayout& layout, const ParameterSteps& steps, const LayoutBlock& block,
-                                     Eigen::Index n, const Eigen::MatrixXd& values) {
-  std::vector<LevelAtom> atoms;
-  for (int a = 0; a < block.block.width; ++a) {
-    const int parameter = block.block.first + a;
-    const double amount = layout.values(parameter, n) - values(parameter, n);
-    if (const auto level = static_cast<std::int32_t>(std::lround(amount / steps.anchor(parameter))); level != 0)
-      atoms.push_back({static_cast<std::uint32_t>(n), parameter, 0, level});
+std::vector<std::vector<LevelAtom>> missing_by_target(const ClipLayout& layout, const ParameterSteps& steps,
+                                                      Eigen::Index first, Eigen::Index count,
+                                                      const Eigen::MatrixXd& values) {
+  std::vector<std::vector<LevelAtom>> lists;
+  for (const LayoutBlock& block : layout.blocks) {
+    if (block.state == State::fixed) continue;
+    std::vector<LevelAtom> atoms;
+    for (Eigen::Index n = first; n < first + count; ++n)
+      for (int parameter = block.block.first; parameter < block.block.first + block.block.width; ++parameter) {
+        const double exact = (layout.values(parameter, n) - values(parameter, n)) / steps.anchor(parameter);
+        if (const auto level = static_cast<std::int32_t>(std::lround(exact)); level != 0)
+          atoms.push_back({static_cast<std::uint32_t>(n), parameter, 0, level});
+      }
+    if (!atoms.empty()) lists.push_back(std::move(atoms));
   }
-  return atoms;
+  return lists;
+}
+
+std::vector<LevelAtom> needed_atoms(std::vector<std::vector<LevelAtom>> lists,
+                                    const std::function<double(const std::vector<LevelAtom>&)>& excess) {
+  if (const std::optional<std::vector<LevelAtom>> few = few_atoms(lists, excess)) return *few;
+  std::stable_sort(lists.begin(), lists.end(), [](const auto& a, const auto& b) { return bits(a) > bits(b); });
+  if (excess(joined(lists)) > 0) return joined(lists);
+  for (std::vector<LevelAtom>& list : lists) {
+    const std::vector<LevelAtom> kept = std::exchange(list, {});
+    if (excess(joined(lists)) > 0) list = kept;
+  }
+  return joined(lists);
 }
 
 }  // namespace nmc::codec

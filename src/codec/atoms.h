@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "codec/clip_layout.h"
@@ -16,8 +17,16 @@ void put_atom(const LevelAtom& atom, std::vector<LevelAtom>& atoms);
 /// Adds what one atom means to the values (all parameters x samples).
 void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values);
 
-/// The atoms that bring a target at sample n from `values` (all parameters x samples) to its true values.
-std::vector<LevelAtom> missing_atoms(const ClipLayout& layout, const ParameterSteps& steps, const LayoutBlock& block,
-                                     Eigen::Index n, const Eigen::MatrixXd& values);
+/// The atoms that bring each moving target from `values` (all parameters x samples) to its true values at `count`
+/// samples from `first` on; one list per target that lacks something.
+std::vector<std::vector<LevelAtom>> missing_by_target(const ClipLayout& layout, const ParameterSteps& steps,
+                                                      Eigen::Index first, Eigen::Index count,
+                                                      const Eigen::MatrixXd& values);
+
+/// Of some lists of atoms few that bring `excess` (of atoms; not negative) to 0: one after the other as long as each
+/// lowers it, or, where a few are not enough, all but those that can be left out, the dearest first. All where all are
+/// not enough.
+std::vector<LevelAtom> needed_atoms(std::vector<std::vector<LevelAtom>> lists,
+                                    const std::function<double(const std::vector<LevelAtom>&)>& excess);
 
 }  // namespace nmc::codec

@@ -21,9 +21,9 @@ struct BetweenInput {
   const motion::ErrorMeter& meter;
 };
 
-/// Brings one target after the other to its true values at samples n - 1 and n, each time the one that helps most,
-/// until the error at `seconds` between them is within `bound` (world units) or no target is left. `values` (all
-/// parameters x samples) are those of the levels, and follow them.
+/// Brings to their true values at samples n - 1 and n as few targets as are needed for the error at `seconds` between
+/// them to be within `bound` (world units). `values` (all parameters x samples) are those of the levels, and follow
+/// them.
 void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
                   LevelClip& levels);
 

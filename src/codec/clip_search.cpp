@@ -32,7 +32,7 @@ SearchPlan plan_of(int effort, std::size_t samples) {
   const int fewer = static_cast<int>(std::clamp<std::size_t>(samples / 160, 1, 5));
   if (effort <= 1) return {60, 40, 3 / fewer, 0};
   if (effort <= 3) return {80, 60, 6 / fewer, 0};
-  if (effort <= 5) return {100, 70, 7 / fewer, fewer > 2 ? 0 : 100};
+  if (effort <= 5) return {100, 70, std::max(2, 7 / fewer), fewer > 2 ? 0 : 100};
   if (effort <= 7) return {250, 200, 16, 400};
   return {500, 400, 24, 1000};
 }

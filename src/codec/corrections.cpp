@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "base/parallel.h"
@@ -322,34 +321,19 @@ class Corrector {
     }
   }
 
-  /// Where the linear map does not lead under the bound: brings one target after the other to its true values, each
-  /// time the one that helps most, until the sample is within the aim. False where that was done and did not last.
+  /// Where the linear map does not lead under the bound: brings to their true values as few targets as the sample needs
+  /// to be within the aim. False where that was done and did not last.
   bool restore_sample(Eigen::Index n) {
     if (++restored_[static_cast<std::size_t>(n)] > most_restorations) return false;
     take_back(n);
-    std::vector<const LayoutBlock*> left;
-    for (const LayoutBlock& block : layout_.blocks)
-      if (block.state != State::fixed) left.push_back(&block);
+    const std::vector<LevelAtom> atoms =
+        needed_atoms(missing_by_target(layout_, steps_, n, 1, values_), [&](const std::vector<LevelAtom>& some) {
+          Eigen::MatrixXd values = values_.col(n);
+          for (const LevelAtom& atom : some) values(atom.parameter, 0) += atom.level * steps_.anchor(atom.parameter);
+          return sample_excess(exact_error(values, n).matrix());
+        });
+    for (const LevelAtom& atom : atoms) put(atom);
     error_.col(n) = exact_error(values_.col(n), n);
-    while (!left.empty() && sample_excess(error_.col(n).matrix()) > 0) {
-      std::size_t best = 0;
-      Rows best_error;
-      double best_excess = std::numeric_limits<double>::infinity();
-      for (std::size_t k = 0; k < left.size(); ++k) {
-        Eigen::MatrixXd values = values_.col(n);
-        for (const LevelAtom& atom : missing_atoms(layout_, steps_, *left[k], n, values_))
-          values(atom.parameter, 0) += atom.level * steps_.anchor(atom.parameter);
-        const Rows error = exact_error(values, n);
-        if (const double excess = sample_excess(error.matrix()); k == 0 || excess < best_excess) {
-          best = k;
-          best_excess = excess;
-          best_error = error;
-        }
-      }
-      for (const LevelAtom& atom : missing_atoms(layout_, steps_, *left[best], n, values_)) put(atom);
-      error_.col(n) = best_error;
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
-    }
     measure(n, 1);
     return true;
   }
