@@ -19,6 +19,9 @@ namespace {
 /// The part of the tolerance that is aimed at: the rest covers what lies between samples and points.
 constexpr double aim = 0.985;
 
+/// The part of the tolerance up to which a measured error is taken as kept.
+constexpr double kept_share = 0.999;
+
 /// How long the search for one clip may take, by effort.
 struct SearchPlan {
   int first_iterations = 100;  ///< of the first training of each cut
@@ -161,6 +164,7 @@ class ClipSearch {
                                         .emphasis = &prepared_.emphasis,
                                         .tolerance = context_.source.tolerance,
                                         .threads = threads_,
+                                        .parts = context_.parts,
                                         .start = start},
                                        map_, settings);
     trained.levels.times = clip_.clip.times;
@@ -183,7 +187,7 @@ class ClipSearch {
     // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
     const std::size_t room =
         20 + std::min(trial.bytes, best_ ? best_bytes_ - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
-    if (settings.iterations > 0) {
+    if (settings.iterations > 0 && context_.parts.refinement) {
       if (usual_error(levels) > hopeless) return trial;
       repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance * 0.99,
              threads_);
@@ -191,7 +195,8 @@ class ClipSearch {
     }
     trial.kept = bring_within_bound(levels, room);
     const std::size_t was = bytes_of(levels);
-    if (trial.kept && static_cast<double>(was) < worth_pruning * static_cast<double>(best_bytes_)) {
+    if (trial.kept && context_.parts.refinement &&
+        static_cast<double>(was) < worth_pruning * static_cast<double>(best_bytes_)) {
       LevelClip pruned = levels;
       prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance,
             threads_);
@@ -227,6 +232,11 @@ class ClipSearch {
   /// Corrects; measures what the levels mean between the file's keys and at every vertex; where that is above the
   /// bound, corrects the samples around it further.
   bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
+    if (!context_.parts.corrections) {
+      const motion::ErrorProfile profile = error_profile(levels);
+      return *std::max_element(profile.max_error.begin(), profile.max_error.end()) <=
+             kept_share * context_.source.tolerance;
+    }
     constexpr int rounds = 8;
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
     for (int round = 0; round < rounds; ++round) {
@@ -265,7 +275,7 @@ class ClipSearch {
   /// Makes the samples next to each time above the bound stricter, by `least` or more. False where there is none.
   bool tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
     constexpr double most = 1.5;  // at once
-    const double bound = 0.999 * context_.source.tolerance, goal = aim * context_.source.tolerance;
+    const double bound = kept_share * context_.source.tolerance, goal = aim * context_.source.tolerance;
     const std::vector<float>& times = clip_.clip.times;
     SampleRow factor = SampleRow::Ones(strictness.size());
     bool above = false;

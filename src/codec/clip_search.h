@@ -7,6 +7,7 @@
 #include "codec/clip_layout.h"
 #include "codec/clip_set.h"
 #include "codec/motion_map.h"
+#include "codec/parts.h"
 #include "codec/source.h"
 #include "codec/sparse_training.h"
 #include "motion/error.h"
@@ -32,6 +33,7 @@ struct SearchContext {
   std::function<bool()> is_late;  ///< no time is left: take the first result
   int effort = 5;
   int threads = 1;  ///< for one training
+  Parts parts{};
 };
 
 /// Puts clip `index` of the source into the set's parameters. `contact_weight`: how often the error of points that

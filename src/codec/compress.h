@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "codec/parts.h"
 #include "gltf/asset.h"
 #include "gltf/document.h"
 #include "gltf/edit.h"
@@ -38,6 +39,7 @@ struct CompressOptions {
   gltf::Requirement requirement = gltf::Requirement::required;
   std::vector<std::string> exclude;  ///< names of animations that stay as they are
   Progress progress;
+  Parts parts{};  ///< standard profile: what a measurement leaves out
 };
 
 /// What became of one animation.

@@ -74,7 +74,7 @@ class Trainer {
   }
 
   TrainedClip run() {
-    if (settings_.iterations > 0 && parameters_ > 0) train();
+    if (settings_.iterations > 0 && parameters_ > 0 && input_.parts.quantisation_aware) train();
     return {result(), state()};
   }
 
@@ -226,8 +226,10 @@ class Trainer {
       }
       delta_ = (now - truth_).array();
       if (it % refocus == 0) focus = map_.focus(delta_, offset_, input_.tolerance, input_.threads);
-      const PointLoss loss{input_.tolerance, norm_of(progress), input_.emphasis};
-      const double mean_weight = map_.descend(delta_, offset_, loss, &focus, input_.threads, gradient_);
+      const PointLoss loss{input_.tolerance, input_.parts.rising_norm ? norm_of(progress) : 2, input_.emphasis};
+      const double mean_weight = input_.parts.kinematics
+                                     ? map_.descend(delta_, offset_, loss, &focus, input_.threads, gradient_)
+                                     : descend_parameters();
       const double step = std::exp2(-settings_.step_exponent / 2.0);
       // The slope of distortion over rate of a uniform quantiser, 2 ln 2 step^2 / 12, times the caller's factor.
       const auto rate_weight = static_cast<float>(settings_.rate * 0.1155 * step * mean_weight);
@@ -251,6 +253,13 @@ class Trainer {
       window.weights.shorten(count);
       window.features = window.features.topRows(count).eval();
     }
+  }
+
+  /// The gradient of the parameters' own squared errors, each as if it moved one point; as MotionMap::descend.
+  double descend_parameters() {
+    gradient_ = delta_;
+    for (Eigen::Index i = 0; i < parameters_; ++i) gradient_.row(i) *= 2 / (slot_step_(i) * slot_step_(i));
+    return static_cast<double>(parameters_);
   }
 
   /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little.

@@ -8,6 +8,7 @@
 #include "codec/clip_layout.h"
 #include "codec/clip_set.h"
 #include "codec/motion_map.h"
+#include "codec/parts.h"
 
 namespace nmc::codec {
 
@@ -43,6 +44,7 @@ struct TrainingInput {
       nullptr;           ///< in blocks, points and morph targets x samples: how much an error counts; null: one
   double tolerance = 1;  ///< world units
   int threads = 1;
+  Parts parts{};
   const TrainingState* start = nullptr;  ///< of the same basis and boundaries; null: from the transform
 };
 

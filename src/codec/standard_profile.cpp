@@ -68,7 +68,8 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
       .meter = meter,
       .is_late = [&] { return options.time_limit_seconds > 0 && seconds_since(start) > options.time_limit_seconds; },
       .effort = options.effort,
-      .threads = std::max(1, threads / static_cast<int>(std::min<std::size_t>(count, 64)))};
+      .threads = std::max(1, threads / static_cast<int>(std::min<std::size_t>(count, 64))),
+      .parts = options.parts};
   std::vector<LevelClip> levels(count);
   seconds_.resize(count);
   std::mutex lock;

@@ -27,6 +27,7 @@ struct Arguments {
   std::string gltfpack;
   bool paper = false;
   bool no_paper = false;
+  bool ablation = false;
   bool no_gltfpack = false;
   int threads = 0;
   std::vector<std::string> files;
@@ -92,6 +93,12 @@ RateTable measure_table(const Arguments& arguments, const std::string& file, dou
     paper.profile = nmc::codec::Profile::paper;
     add(apart("`--profile paper`", [&] { return measure_codec(file, paper); }));
   }
+  if (arguments.ablation) {
+    options.effort = arguments.efforts.front();
+    for (const CompressOptions& without : ablations(options))
+      add(apart("without a part", [&] { return measure_codec(file, without); }));
+    add(apart("without sharing", [&] { return measure_clips_apart(file, options); }));
+  }
   add(apart("DCT", [&] { return measure_dct(file, options); }));
   if (!arguments.no_gltfpack) add(gltfpack(tolerance_percent / 100));
   return table;
@@ -125,6 +132,8 @@ int main(int argc, char** argv) {
   app.add_flag("--no-gltfpack", arguments.no_gltfpack, "leave gltfpack out");
   app.add_flag("--paper", arguments.paper, "the paper's profile at all tolerances, not only from 2 % on");
   app.add_flag("--no-paper", arguments.no_paper, "leave the paper's profile out");
+  app.add_flag("--ablation", arguments.ablation,
+               "the default with one part after the other left out, at the first effort");
   app.add_option("--threads", arguments.threads, "0: all")->check(CLI::Range(0, 1024));
   app.add_option("FILES", arguments.files)->required()->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include "gltf/cost.h"
 #include "rate_process.h"
@@ -13,6 +14,12 @@ namespace {
 
 std::string method_name(const codec::CompressOptions& options) {
   if (options.profile == codec::Profile::paper) return "`--profile paper`";
+  const codec::Parts& parts = options.parts;
+  if (!parts.kinematics) return "without kinematics in the loss";
+  if (!parts.rising_norm) return "without the rising norm";
+  if (!parts.quantisation_aware) return "without training";
+  if (!parts.refinement) return "without repair and pruning";
+  if (!parts.corrections) return "without corrections";
   return fmt::format("default, effort {}", options.effort);
 }
 
@@ -39,6 +46,8 @@ void measure_result(const Reference& reference, const gltf::Document& made, Meas
   const FileError error = reference.error(made);
   row.error = error.all;
   row.joint_error = error.joints;
+  row.jitter = error.jitter;
+  row.loop_seam = error.loop_seam;
 }
 
 Measurement measure_cost(const std::filesystem::path& path) {
@@ -64,6 +73,40 @@ Measurement measure_codec(const std::filesystem::path& path, const codec::Compre
   row.note = note_of(result.clips);
   measure_result(Reference(path), result.document, row);
   return row;
+}
+
+std::vector<codec::CompressOptions> ablations(const codec::CompressOptions& options) {
+  std::vector<codec::CompressOptions> all(5, options);
+  all[0].parts.kinematics = false;
+  all[1].parts.rising_norm = false;
+  all[2].parts.quantisation_aware = false;
+  all[3].parts.refinement = false;
+  all[4].parts.corrections = false;
+  return all;
+}
+
+Measurement measure_clips_apart(const std::filesystem::path& path, const codec::CompressOptions& options) {
+  const gltf::Document document = gltf::read_document(path);
+  std::vector<std::string> names;
+  for (const codec::ClipResult& clip : codec::compress(document, options).clips) names.push_back(clip.name);
+  Measurement sum;
+  sum.method = "without sharing: each clip in a set of its own";
+  sum.reached = true;
+  for (const std::string& name : names) {
+    codec::CompressOptions alone = options;
+    std::copy_if(names.begin(), names.end(), std::back_inserter(alone.exclude),
+                 [&](const std::string& other) { return other != name; });
+    const codec::CompressResult result = codec::compress(document, alone);
+    for (const codec::ClipResult& clip : result.clips)
+      if (clip.name == name) {
+        sum.key_bytes += clip.keys_after;
+        sum.json_bytes += clip.json_after;
+        sum.error = std::max(sum.error, clip.error.max / result.size);
+        sum.jitter = std::max(sum.jitter, clip.error.jitter / result.size);
+        sum.loop_seam = std::max(sum.loop_seam, clip.error.loop_seam / result.size);
+      }
+  }
+  return sum;
 }
 
 }  // namespace nmc::bench

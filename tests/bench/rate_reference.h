@@ -17,6 +17,8 @@ namespace nmc::bench {
 struct FileError {
   double all = 0;     ///< joints and all skin points
   double joints = 0;  ///< joints alone
+  double jitter = 0;  ///< motion::ErrorReport
+  double loop_seam = 0;
 };
 
 class Reference {
