@@ -2,6 +2,7 @@
 // for, corrections and refinements against the positions that they promise.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -190,6 +191,64 @@ TEST_P(MotionMapOf, DescendIsTheGradientOfTheWeightedSquares) {
     EXPECT_LT((gradient - expected).abs().maxCoeff(), 1e-4f * expected.abs().maxCoeff()) << "power " << power;
     EXPECT_EQ((gradient - threaded).abs().maxCoeff(), 0.0f) << "power " << power;
   }
+}
+
+TEST_P(MotionMapOf, FocusHasAllPointsNearTheBoundAndAFourthOfTheOthers) {
+  const Character character(35, GetParam());
+  MotionMap map = character.map();
+  map.linearise(character.layout.values);
+  const Rows delta = 0.01f * random_rows(static_cast<Eigen::Index>(character.layout.moving.size()), 35, 7);
+  const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), 35));
+  Rows error;
+  map.errors(delta, error);
+  const double tolerance = 2 * largest_distance(error, map.point_count()) * 0.6;
+  const Focus focus = map.focus(delta, offset, tolerance, 2);
+  ASSERT_EQ(focus.blocks.size(), 3u);
+  for (std::size_t b = 0; b < focus.blocks.size(); ++b) {
+    const Eigen::Index first = static_cast<Eigen::Index>(b) * lanes, count = std::min<Eigen::Index>(lanes, 35 - first);
+    Eigen::Index near = 0, stands_for = 0;
+    for (Eigen::Index q = 0; q < map.point_count(); ++q)
+      near += error.middleRows(3 * q, 3).middleCols(first, count).square().colwise().sum().maxCoeff() >
+              static_cast<float>(0.25 * tolerance * tolerance);
+    for (const Focus::Seen& seen : focus.blocks[b]) {
+      const double most = std::sqrt(static_cast<double>(
+          error.middleRows(3 * seen.point, 3).middleCols(first, count).square().colwise().sum().maxCoeff()));
+      EXPECT_EQ(most > tolerance / 2, seen.count == 1) << "point " << seen.point;
+      near -= seen.count == 1;
+      stands_for += static_cast<Eigen::Index>(seen.count);
+    }
+    EXPECT_EQ(near, 0);
+    EXPECT_GE(stands_for, map.point_count());
+    EXPECT_LT(stands_for, map.point_count() + 4);
+  }
+  Rows all, looked_at;
+  const Focus everything = map.focus(delta, offset, 1e-9, 1);
+  map.descend(delta, offset, {tolerance, 6, nullptr}, nullptr, 1, all);
+  map.descend(delta, offset, {tolerance, 6, nullptr}, &everything, 1, looked_at);
+  EXPECT_EQ((all - looked_at).abs().maxCoeff(), 0.0f);
+}
+
+TEST_P(MotionMapOf, PointsThatAreNotEndangeredStayBelowTheLimit) {
+  const Character character(40, GetParam());
+  MotionMap map = character.map();
+  map.linearise(character.layout.values);
+  const Rows error = 0.02f * random_rows(map.error_rows(), 40, 8);
+  const float amount = 0.01f, limit = 0.03f;
+  std::size_t safe = 0;
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(character.layout.moving.size()); ++i) {
+    const Effect effect = map.effect(i, 3, 30);
+    const std::vector<std::size_t> found = map.endangered(effect, 5, 20, amount, error, limit);
+    for (std::size_t k = 0; k < effect.points.size(); ++k) {
+      if (std::find(found.begin(), found.end(), k) != found.end()) continue;
+      ++safe;
+      for (const float share : {-amount, amount}) {
+        SampleRow square;
+        map.square_after(effect, k, 5, SampleRow::Constant(20, share), error, square);
+        EXPECT_LE(std::sqrt(square.maxCoeff()), limit);
+      }
+    }
+  }
+  EXPECT_GT(safe, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, MotionMapOf, testing::Bool(),

@@ -1,0 +1,138 @@
+// Atoms by themselves: joined, turned into values, and as few as are needed; flips between samples.
+#include "codec/atoms.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "codec/between.h"
+
+namespace nmc::codec {
+namespace {
+
+LevelAtom atom(int parameter, std::int32_t level, std::uint32_t sample = 4, int width = 0) {
+  return {sample, parameter, width, level};
+}
+
+TEST(Atoms, OfOnePlaceAreOne) {
+  std::vector<LevelAtom> atoms;
+  put_atom(atom(1, 3), atoms);
+  put_atom(atom(2, 5), atoms);
+  put_atom(atom(1, -4), atoms);
+  put_atom(atom(1, 7, 4, 2), atoms);
+  put_atom(atom(1, 7, 5), atoms);
+  ASSERT_EQ(atoms.size(), 4u);
+  EXPECT_EQ(atoms[0].level, -1);
+  EXPECT_EQ(atoms[1].level, 5);
+}
+
+TEST(Atoms, FallLikeARaisedCosineToTheirHalfWidth) {
+  const ParameterSteps steps{Eigen::VectorXd::Ones(2), Eigen::VectorXd::Constant(2, 0.5)};
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(2, 9);
+  add_atom_values(atom(1, 8, 2, 2), steps, values);
+  Eigen::RowVectorXd expected(9);
+  for (int n = 0; n < 9; ++n)
+    expected(n) = n < 6 ? 8 * 0.5 * 0.5 * (1 + std::cos(3.141592653589793 * (n - 2) / 4)) : 0.0;
+  EXPECT_EQ(values.row(0).cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_LT((values.row(1) - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+double sum_of_levels(const std::vector<LevelAtom>& atoms) {
+  double sum = 0;
+  for (const LevelAtom& one : atoms) sum += one.level;
+  return sum;
+}
+
+TEST(NeededAtoms, AreTheOneThatIsEnough) {
+  const auto excess = [](const std::vector<LevelAtom>& atoms) { return std::max(0.0, 10 - sum_of_levels(atoms)); };
+  const std::vector<LevelAtom> needed = needed_atoms({{atom(0, 4)}, {atom(1, 11)}, {atom(2, 9)}}, excess);
+  ASSERT_EQ(needed.size(), 1u);
+  EXPECT_EQ(needed[0].parameter, 1);
+}
+
+TEST(NeededAtoms, AreNoneWhereNothingIsWrong) {
+  EXPECT_TRUE(needed_atoms({{atom(0, 4)}}, [](const auto&) { return 0.0; }).empty());
+}
+
+TEST(NeededAtoms, LeaveOutWhatDoesNotHelpWhereOnlyTwoTogetherDo) {
+  // Two errors that cancel each other: setting right either of them alone makes it worse.
+  const auto excess = [](const std::vector<LevelAtom>& atoms) {
+    int right = 0;
+    for (const LevelAtom& one : atoms) right += one.parameter == 1 || one.parameter == 3;
+    return right == 2 ? 0.0 : 1.0 + right;
+  };
+  const std::vector<LevelAtom> needed = needed_atoms({{atom(0, 1)}, {atom(1, 1)}, {atom(2, 50)}, {atom(3, 9)}}, excess);
+  ASSERT_EQ(needed.size(), 2u);
+  EXPECT_EQ(needed[0].parameter + needed[1].parameter, 4);
+}
+
+TEST(NeededAtoms, AreAllWhereAllAreNotEnough) {
+  EXPECT_EQ(needed_atoms({{atom(0, 1)}, {atom(1, 1)}}, [](const auto&) { return 1.0; }).size(), 2u);
+}
+
+/// Two joints side by side below a root; the first turns by nearly half a turn from one key to the next.
+struct Flipping {
+  motion::Skeleton skeleton;
+  Points points;
+  ClipSource source;
+  SetFrame frame;
+  ClipLayout layout;
+  ParameterSteps steps;
+
+  Flipping() {
+    for (int i = 0; i < 2; ++i) {
+      skeleton.names.push_back("joint");
+      skeleton.parent.push_back(-1);
+      skeleton.order.push_back(i);
+      skeleton.rest.push_back({});
+      skeleton.rest_matrix.push_back(glm::dmat4(1.0));
+      skeleton.rest_weights.emplace_back();
+      skeleton.joints.push_back(i);
+      const Influence tip{i, {1, 0, 0}, 1};
+      points.add(&tip, &tip + 1);
+    }
+    source.clip.times = {0, 0.1f, 0.2f, 0.3f};
+    for (int i = 0; i < 2; ++i) {
+      motion::Track track{i, Path::rotation, 4, {}};
+      for (int n = 0; n < 4; ++n) {
+        const double angle = i == 1 ? 0.1 * n : n >= 2 ? 3.14 : 0.0;
+        for (const double value : {0.0, 0.0, std::sin(angle / 2), std::cos(angle / 2)})
+          track.values.push_back(static_cast<float>(value));
+      }
+      source.clip.tracks.push_back(track);
+      source.original.curves.push_back(
+          {i, Path::rotation, Interpolation::linear, 4, source.clip.times, source.clip.tracks.back().values});
+    }
+    frame = mean_frame(skeleton, {&source.clip});
+    layout = layout_clip(source.clip, frame);
+    const auto count = static_cast<Eigen::Index>(layout.parameters.size());
+    steps = {Eigen::VectorXd::Constant(count, 0.01), Eigen::VectorXd::Constant(count, 1e-5)};
+  }
+};
+
+TEST(MendBetween, SetsRightTheJointThatTurnsTheOtherWay) {
+  const Flipping flipping;
+  const motion::ErrorMeter meter(flipping.skeleton, flipping.points);
+  Eigen::MatrixXd values = flipping.layout.values;
+  // A little more at the later side: the shorter way is now the other one, and both joints are off by a little.
+  values.col(2).array() += 0.02;
+  const auto error_between = [&] {
+    return meter.error_at(
+        flipping.source.original,
+        with_kept(flipping.source, clip_of_parameters(flipping.source.clip, flipping.frame, flipping.layout, values)),
+        0.15);
+  };
+  ASSERT_GT(error_between(), 1.0);
+  LevelClip levels;
+  mend_between({flipping.source, flipping.frame, flipping.layout, flipping.steps, meter}, 2, 0.15, 0.03, values,
+               levels);
+  EXPECT_LT(error_between(), 0.03);
+  ASSERT_FALSE(levels.atoms.empty());
+  for (const LevelAtom& one : levels.atoms) {
+    EXPECT_EQ(one.sample, 2u);  // the earlier side was right
+    EXPECT_EQ(flipping.layout.parameters[static_cast<std::size_t>(one.parameter)].target, 0u);
+  }
+}
+
+}  // namespace
+}  // namespace nmc::codec
