@@ -49,13 +49,23 @@ std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length)
 }
 
 /// Bases and windows worth trying for a clip.
-std::vector<SparseSettings> cuts_of(std::size_t samples) {
+std::vector<SparseSettings> cuts_of(std::size_t samples, bool loops) {
   std::vector<SparseSettings> cuts;
   const auto whole = static_cast<std::uint32_t>(samples);
-  if (samples <= 400) cuts.push_back({.basis = Basis::cosine, .boundaries = {0, whole}});
+  if (samples <= 400 && !loops) cuts.push_back({.basis = Basis::cosine, .boundaries = {0, whole}});
   if (samples >= 8 && samples <= 400) cuts.push_back({.basis = Basis::periodic, .boundaries = {0, whole - 1}});
   if (samples > 200) cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(samples, 128)});
+  for (SparseSettings& cut : cuts) cut.loops = loops;
   return cuts;
+}
+
+/// The last pose is the first one again: what is coded of a loop should have no seam either.
+bool is_loop(const PreparedClip& clip) {
+  constexpr std::size_t fewest = 8;
+  const Eigen::MatrixXd& values = clip.layout.values;
+  if (static_cast<std::size_t>(values.cols()) < fewest) return false;
+  const Eigen::VectorXd seam = (values.rightCols(1) - values.leftCols(1)).cwiseAbs();
+  return ((seam - clip.steps.anchor).array() <= 0).all();
 }
 
 /// A trained, corrected candidate.
@@ -105,7 +115,7 @@ class ClipSearch {
 
   Trial best_cut(const SearchPlan& plan) {
     Trial best;
-    for (SparseSettings& settings : cuts_of(clip_.clip.times.size())) {
+    for (SparseSettings& settings : cuts_of(clip_.clip.times.size(), is_loop(prepared_))) {
       settings.step_exponent = clip_.clip.times.size() > 120 ? -3 : 1;
       settings.rate = usual_rate;
       settings.iterations = plan.first_iterations;

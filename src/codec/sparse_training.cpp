@@ -100,6 +100,7 @@ class Trainer {
         anchors.col(column) = truth_.col(std::min<Eigen::Index>(settings_.boundaries[r], samples_ - 1));
     }
     anchors.array().colwise() /= anchor_step_.array();
+    if (settings_.loops) anchors.rightCols(1) = anchors.leftCols(1).eval();
     anchors_.start(std::move(anchors));
   }
 
@@ -204,6 +205,10 @@ class Trainer {
           rate_weight * rate_slope(anchors_.level.col(r).array() - anchors_.level.col(r - 1).array());
       anchors_.gradient.col(r).array() += slope;
       anchors_.gradient.col(r - 1).array() -= slope;
+    }
+    if (settings_.loops) {
+      const Eigen::VectorXf both = anchors_.gradient.leftCols(1) + anchors_.gradient.rightCols(1);
+      anchors_.gradient.leftCols(1) = anchors_.gradient.rightCols(1) = both;
     }
   }
 

@@ -25,6 +25,7 @@ struct SparseSettings {
   int step_exponent = 0;
   double rate = 0.25;    ///< how much a bit weighs against error
   int iterations = 300;  ///< 0: the rounded transform
+  bool loops = false;    ///< the last anchor is the first one (not with the cosine basis)
 };
 
 /// Levels before rounding: where a training ended and another may start.
