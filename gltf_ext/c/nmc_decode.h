@@ -439,7 +439,10 @@ struct nmc_models {
   uint16_t rate[64];
 };
 
-static size_t nmc__pad(uint64_t bytes) { return (size_t)((bytes + 7) & ~(uint64_t)7); }
+static uint64_t nmc__pad(uint64_t bytes) { return (bytes + 7) & ~(uint64_t)7; }
+
+/* More than the address space holds stays too much, so that no allocation of it succeeds. */
+static size_t nmc__size(uint64_t bytes) { return (size_t)bytes == bytes ? (size_t)bytes : SIZE_MAX; }
 
 static uint64_t nmc__inputs(const nmc_info *i) { return 2 * (uint64_t)i->max_frequencies + 1; }
 
@@ -464,8 +467,8 @@ static void nmc__measure(nmc_info *i) {
   s += nmc__pad((uint64_t)i->slots * sizeof(float));
   s += nmc__pad(((uint64_t)i->max_features + 2) * sizeof(double));
   s += nmc__pad((nmc__inputs(i) + i->hidden0 + i->hidden1) * sizeof(double));
-  i->workspace_bytes = (size_t)w;
-  i->scratch_bytes = (size_t)s;
+  i->workspace_bytes = nmc__size(w);
+  i->scratch_bytes = nmc__size(s);
 }
 
 nmc_result nmc_read_info(const void *data, size_t size, nmc_info *info) {
@@ -517,7 +520,7 @@ nmc_result nmc_read_info(const void *data, size_t size, nmc_info *info) {
 
 static void *nmc__take(uint8_t **at, uint64_t bytes) {
   void *here = *at;
-  *at += nmc__pad(bytes);
+  *at += (size_t)nmc__pad(bytes);
   return here;
 }
 
@@ -627,12 +630,14 @@ static int nmc__code(nmc__coder *c, int bit, uint32_t p) {
   return bit;
 }
 
+/* Without branches on the bit, which no processor can foresee. */
 static void nmc__learn(const struct nmc_models *m, nmc__bit_model *b, int bit, uint32_t limit) {
-  const int32_t rate = m->rate[b->n];
-  const int32_t p = b->p;
-  const int32_t q = bit ? p + (int32_t)(((int64_t)(65535 - p) * rate) >> 16) : p - (int32_t)(((int64_t)p * rate) >> 16);
+  const uint32_t zero = (uint32_t)bit - 1u; /* all bits set for a 0 */
+  const uint32_t p = b->p, n = b->n;
+  const uint32_t part = ((p ^ (~zero & 65535u)) * m->rate[n]) >> 16; /* of the way to 65535, or to 0 */
+  const uint32_t q = p + (part ^ zero) - zero;
   b->p = (uint16_t)(q < 32 ? 32 : q > 65503 ? 65503 : q);
-  if (b->n < limit) ++b->n;
+  b->n = (uint16_t)(n + (n < limit));
 }
 
 static int nmc__code_simple(nmc__coder *c, nmc__bit_model *b, int bit) {
@@ -644,8 +649,8 @@ static int nmc__code_simple(nmc__coder *c, nmc__bit_model *b, int bit) {
 /* A decision predicted by several models, mixed in the logistic domain by learned weights. */
 static int nmc__code_mixed(nmc__coder *c, nmc__bit_model *const *models, int count, int32_t *weights, int bit) {
   int32_t s[NMC__INPUTS];
-  int64_t dot = 0, error;
-  int32_t p;
+  int64_t dot = 0;
+  int32_t p, error;
   int i;
   for (i = 0; i < count; ++i) {
     s[i] = c->models->stretch[models[i]->p >> 4];
@@ -656,9 +661,9 @@ static int nmc__code_mixed(nmc__coder *c, nmc__bit_model *const *models, int cou
   if (p < 32) p = 32;
   if (p > 65504) p = 65504;
   bit = nmc__code(c, bit, (uint32_t)p);
-  error = (int64_t)((bit << 16) - p) * 6;
+  error = ((bit << 16) - p) * 6;
   for (i = 0; i < count; ++i) {
-    weights[i] += (int32_t)((s[i] * error + 0x80000) >> 20);
+    weights[i] += (s[i] * error + 0x80000) >> 20;
     nmc__learn(c->models, models[i], bit, 60);
   }
   return bit;
@@ -1686,27 +1691,11 @@ static void nmc__slerp(const float *a, const float *b, double u, float *out) {
   for (i = 0; i < 4; ++i) out[i] = (float)(q[i] * length);
 }
 
-nmc_result nmc_evaluate(const nmc_set *set, uint32_t index, double seconds, int mode, float *pose, void *scratch) {
-  const nmc_clip *clip;
-  const float *times;
-  float *next;
-  uint32_t low = 0, high, t, a;
-  double u;
-  nmc_result r;
-  if (index >= set->info.clips || !(seconds - seconds == 0)) return NMC_ERROR_ARGUMENT;
-  clip = &set->clips[index];
-  times = set->times + clip->first_time;
-  high = clip->samples - 1;
-  if (mode == NMC_LOOP && high > 0) {
-    const double length = (double)times[high] - times[0], turns = (seconds - times[0]) / length;
-    if (turns > -4e15 && turns < 4e15) {
-      double whole = (double)(int64_t)turns;
-      if (whole > turns) whole -= 1;
-      seconds -= whole * length;
-    }
-  }
-  if (!(seconds > times[0])) return nmc_sample(set, index, 0, pose, scratch);
-  if (seconds >= times[high]) return nmc_sample(set, index, high, pose, scratch);
+/* The sample n before a time; returns how far the time is from it to the next, 0 if only sample n counts. */
+static double nmc__locate(const float *times, uint32_t samples, double seconds, uint32_t *n) {
+  uint32_t low = 0, high = samples - 1;
+  *n = seconds > times[0] ? high : 0;
+  if (!(seconds > times[0]) || seconds >= times[high]) return 0;
   while (high - low > 1) {
     const uint32_t middle = low + (high - low) / 2;
     if (times[middle] <= seconds)
@@ -1714,21 +1703,49 @@ nmc_result nmc_evaluate(const nmc_set *set, uint32_t index, double seconds, int 
     else
       high = middle;
   }
-  u = (seconds - times[low]) / ((double)times[high] - times[low]);
-  r = nmc_sample(set, index, low, pose, scratch);
-  if (r != NMC_OK || u == 0) return r;
-  next = (float *)(void *)((uint8_t *)scratch + nmc__pad((uint64_t)set->info.slots * sizeof(double)));
-  r = nmc_sample(set, index, high, next, scratch);
+  *n = low;
+  return (seconds - times[low]) / ((double)times[high] - times[low]);
+}
+
+/* From a pose to the next one of the clip; out may be pose. Of the targets that do not move, pose has the value. */
+static void nmc__mix(const nmc_set *set, uint32_t index, const float *pose, const float *next, double u, float *out) {
+  uint32_t t, i;
   for (t = 0; t < set->info.targets; ++t) {
     const nmc_target *target = &set->targets[t];
-    float *value = pose + target->offset;
-    if (nmc_state(set, index, t) < NMC_MOVING) continue;
-    if (target->path == NMC_ROTATION) {
-      nmc__slerp(value, next + target->offset, u, value);
+    const uint32_t begin = target->offset, end = begin + target->width;
+    const int moves = nmc_state(set, index, t) >= NMC_MOVING;
+    if (moves && target->path == NMC_ROTATION) {
+      nmc__slerp(pose + begin, next + begin, u, out + begin);
     } else {
-      for (a = 0; a < target->width; ++a) value[a] = (float)((1 - u) * value[a] + u * next[target->offset + a]);
+      for (i = begin; i < end; ++i) out[i] = moves ? (float)((1 - u) * pose[i] + u * next[i]) : pose[i];
     }
   }
+}
+
+nmc_result nmc_evaluate(const nmc_set *set, uint32_t index, double seconds, int mode, float *pose, void *scratch) {
+  const nmc_clip *clip;
+  const float *times;
+  float *next;
+  uint32_t n;
+  double u;
+  nmc_result r;
+  if (index >= set->info.clips || !(seconds - seconds == 0)) return NMC_ERROR_ARGUMENT;
+  clip = &set->clips[index];
+  times = set->times + clip->first_time;
+  if (mode == NMC_LOOP && clip->samples > 1) {
+    const double length = (double)times[clip->samples - 1] - times[0], turns = (seconds - times[0]) / length;
+    if (turns > -4e15 && turns < 4e15) {
+      double whole = (double)(int64_t)turns;
+      if (whole > turns) whole -= 1;
+      seconds -= whole * length;
+    }
+  }
+  u = nmc__locate(times, clip->samples, seconds, &n);
+  r = nmc_sample(set, index, n, pose, scratch);
+  if (r != NMC_OK || u == 0) return r;
+  next = (float *)(void *)((uint8_t *)scratch + nmc__pad((uint64_t)set->info.slots * sizeof(double)));
+  r = nmc_sample(set, index, n + 1, next, scratch);
+  if (r == NMC_OK) nmc__mix(set, index, pose, next, u, pose);
   return r;
 }
 
