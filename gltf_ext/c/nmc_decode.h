@@ -596,6 +596,7 @@ static void nmc__fail(nmc__coder *c, nmc_result r) {
 static int nmc__code(nmc__coder *c, int bit, uint32_t p) {
   const uint32_t range = c->high - c->low;
   const uint32_t middle = c->low + (range >> 16) * p + (((range & 0xffffu) * p) >> 16);
+  uint32_t mask;
 #ifdef NMC_ENCODER
   if (c->sink) {
     c->sink->bits[c->part] -= log2((bit ? p : 65536.0 - p) / 65536.0);
@@ -607,10 +608,9 @@ static int nmc__code(nmc__coder *c, int bit, uint32_t p) {
 #ifdef NMC_ENCODER
   if (c->bits) c->bits[c->part] -= log2((bit ? p : 65536.0 - p) / 65536.0);
 #endif
-  if (bit)
-    c->high = middle;
-  else
-    c->low = middle + 1;
+  mask = 0u - (uint32_t)bit; /* no branch on what no processor can foresee */
+  c->high = (middle & mask) | (c->high & ~mask);
+  c->low = (c->low & mask) | ((middle + 1) & ~mask);
   while (((c->low ^ c->high) & 0xff000000u) == 0) {
     const uint8_t top = (uint8_t)(c->high >> 24);
     c->low <<= 8;
