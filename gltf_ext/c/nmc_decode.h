@@ -647,7 +647,7 @@ static int nmc__code_simple(nmc__coder *c, nmc__bit_model *b, int bit) {
 }
 
 /* A decision predicted by several models, mixed in the logistic domain by learned weights. */
-static int nmc__code_mixed(nmc__coder *c, nmc__bit_model *const *models, int count, int32_t *weights, int bit) {
+static inline __attribute__((always_inline)) int nmc__code_mixed(nmc__coder *c, nmc__bit_model *const *models, int count, int32_t *weights, int bit) {
   int32_t s[NMC__INPUTS];
   int64_t dot = 0;
   int32_t p, error;
@@ -707,7 +707,11 @@ static uint32_t nmc__number(nmc__coder *c, int group, const uint32_t *runs, int 
     int more;
     for (i = 0; i < count; ++i) inputs[i] = &m->runs[runs[i] * NMC__LEVELS + level];
     more = count == 1 ? nmc__code_simple(c, inputs[0], length > k)
-                      : nmc__code_mixed(c, inputs, count,
+                      : count == 6 ? nmc__code_mixed(c, inputs, 6,
+                                        &m->mixers[((uint32_t)group * NMC__LEVELS + level) * NMC__INPUTS], length > k)
+                      : count == 3 ? nmc__code_mixed(c, inputs, 3,
+                                        &m->mixers[((uint32_t)group * NMC__LEVELS + level) * NMC__INPUTS], length > k)
+                      : nmc__code_mixed(c, inputs, 2,
                                         &m->mixers[((uint32_t)group * NMC__LEVELS + level) * NMC__INPUTS], length > k);
     if (!more || c->result != NMC_OK) break;
   }
@@ -1595,7 +1599,15 @@ static void nmc__parameters_at(const nmc_set *set, const nmc_clip *clip, const u
   else
     for (i = 0; i < clip->parameters; ++i) y[i] = row[i] + u * ((double)row[i + clip->parameters] - row[i]);
   nmc__features(clip, w, n, w->features, work);
-  for (; weight != end; ++weight) y[weight->parameter] += weight->value * work[weight->feature];
+  while (weight != end) { /* weights of one parameter stand together */
+    const uint32_t parameter = weight->parameter;
+    double sum = y[parameter];
+    do {
+      sum += weight->value * work[weight->feature];
+      ++weight;
+    } while (weight != end && weight->parameter == parameter);
+    y[parameter] = sum;
+  }
   low = 0;
   high = clip->atoms; /* atoms are sorted by sample: skip those more than the widest window before n */
   while (low < high) {
