@@ -239,6 +239,13 @@ nmc_result nmc_open_counting(nmc_set *set, const void *bytes, size_t size, void 
 #include <math.h>
 #endif
 
+/* For the few functions that every decision of a stream calls: also a build for size is to have them inline. */
+#ifdef __GNUC__
+#define NMC__INLINE static inline __attribute__((always_inline))
+#else
+#define NMC__INLINE static inline
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -565,7 +572,7 @@ typedef struct nmc__coder {
 #endif
 } nmc__coder;
 
-static int nmc__squash(int32_t x) {
+NMC__INLINE int nmc__squash(int32_t x) {
   static const uint16_t table[33] = {22,    36,    60,    98,    162,   267,   439,   720,   1179,  1921,  3108,
                                      4971,  7812,  11955, 17625, 24743, 32768, 40793, 47911, 53581, 57724, 60565,
                                      62428, 63615, 64357, 64816, 65097, 65269, 65374, 65438, 65476, 65500, 65514};
@@ -593,7 +600,7 @@ static void nmc__fail(nmc__coder *c, nmc_result r) {
 }
 
 /* Codes one binary decision whose probability of being 1 is p of 65536. Writing: takes `bit`; reading: returns it. */
-static int nmc__code(nmc__coder *c, int bit, uint32_t p) {
+NMC__INLINE int nmc__code(nmc__coder *c, int bit, uint32_t p) {
   const uint32_t range = c->high - c->low;
   const uint32_t middle = c->low + (range >> 16) * p + (((range & 0xffffu) * p) >> 16);
   uint32_t mask;
@@ -631,7 +638,7 @@ static int nmc__code(nmc__coder *c, int bit, uint32_t p) {
 }
 
 /* Without branches on the bit, which no processor can foresee. */
-static void nmc__learn(const struct nmc_models *m, nmc__bit_model *b, int bit, uint32_t limit) {
+NMC__INLINE void nmc__learn(const struct nmc_models *m, nmc__bit_model *b, int bit, uint32_t limit) {
   const uint32_t zero = (uint32_t)bit - 1u; /* all bits set for a 0 */
   const uint32_t p = b->p, n = b->n;
   const uint32_t part = ((p ^ (~zero & 65535u)) * m->rate[n]) >> 16; /* of the way to 65535, or to 0 */
@@ -647,7 +654,7 @@ static int nmc__code_simple(nmc__coder *c, nmc__bit_model *b, int bit) {
 }
 
 /* A decision predicted by several models, mixed in the logistic domain by learned weights. */
-static inline __attribute__((always_inline)) int nmc__code_mixed(nmc__coder *c, nmc__bit_model *const *models, int count, int32_t *weights, int bit) {
+static int nmc__code_mixed(nmc__coder *c, nmc__bit_model *const *models, int count, int32_t *weights, int bit) {
   int32_t s[NMC__INPUTS];
   int64_t dot = 0;
   int32_t p, error;
@@ -707,11 +714,7 @@ static uint32_t nmc__number(nmc__coder *c, int group, const uint32_t *runs, int 
     int more;
     for (i = 0; i < count; ++i) inputs[i] = &m->runs[runs[i] * NMC__LEVELS + level];
     more = count == 1 ? nmc__code_simple(c, inputs[0], length > k)
-                      : count == 6 ? nmc__code_mixed(c, inputs, 6,
-                                        &m->mixers[((uint32_t)group * NMC__LEVELS + level) * NMC__INPUTS], length > k)
-                      : count == 3 ? nmc__code_mixed(c, inputs, 3,
-                                        &m->mixers[((uint32_t)group * NMC__LEVELS + level) * NMC__INPUTS], length > k)
-                      : nmc__code_mixed(c, inputs, 2,
+                      : nmc__code_mixed(c, inputs, count,
                                         &m->mixers[((uint32_t)group * NMC__LEVELS + level) * NMC__INPUTS], length > k);
     if (!more || c->result != NMC_OK) break;
   }

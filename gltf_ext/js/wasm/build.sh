@@ -9,7 +9,7 @@ clang=${CLANG:-clang}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-flags=(--target=wasm32 -std=c99 -O3 -Wall -Wextra -Wconversion -Wshadow -Werror -ffreestanding -nostdlib -mbulk-memory -I. -I../../c)
+flags=(--target=wasm32 -std=c99 -Os -Wall -Wextra -Wconversion -Wshadow -Werror -ffreestanding -nostdlib -mbulk-memory -I. -I../../c)
 "$clang" "${flags[@]}" -c nmc_wasm.c -o "$folder/nmc.o"
 wasm-ld --no-entry --strip-all -O2 -z stack-size=65536 "$folder/nmc.o" -o "$folder/nmc.wasm"
 

@@ -1,5 +1,6 @@
-/* The reference decoder as a WebAssembly module, for src/wasm.js. An instance holds one set, so that the set's memory goes when the instance
- * goes. Everything is taken from a heap that only grows; its pointers are offsets in the instance's memory. */
+/* The reference decoder as a WebAssembly module, for src/wasm.js. An instance holds one set, so that the set's memory
+ * goes when the instance goes. Everything is taken from a heap that only grows; its pointers are offsets in the
+ * instance's memory. */
 #define NMC_SQRT(x) __builtin_sqrt(x)
 #define NMC_DECODE_IMPLEMENTATION
 #include "nmc_decode.h"
@@ -33,7 +34,8 @@ void *memset(void *to, int value, size_t size) { return __builtin_memset(to, val
 static int wasm_grow(uint64_t end) {
   const uint64_t there = (uint64_t)__builtin_wasm_memory_size(0) * WASM_PAGE;
   if (end <= there) return 1;
-  return end <= UINT32_MAX && __builtin_wasm_memory_grow(0, (size_t)((end - there + WASM_PAGE - 1) / WASM_PAGE)) != SIZE_MAX;
+  return end <= UINT32_MAX &&
+         __builtin_wasm_memory_grow(0, (size_t)((end - there + WASM_PAGE - 1) / WASM_PAGE)) != SIZE_MAX;
 }
 
 /* Memory aligned to 8 bytes, zeros if nobody wrote to it; NULL if there is no more. */
@@ -111,7 +113,8 @@ WASM_EXPORT(evaluate) int wasm_evaluate(uint32_t clip, double seconds) {
   return 1;
 }
 
-/* Samples first ... first + count - 1 of the moving targets: target after target, sample after sample. The last one's pose stays in `pose`. */
+/* Samples first ... first + count - 1 of the moving targets: target after target, sample after sample. The last one's
+ * pose stays in `pose`. */
 WASM_EXPORT(decode) void wasm_decode(uint32_t clip, uint32_t first, uint32_t count) {
   uint32_t n, t, a;
   for (n = 0; n < count; ++n) {
