@@ -1,5 +1,5 @@
 // The streams of tests/golden, which the C decoder reads in tests/codec/golden_test.cpp: the good ones say what closed forms say, the bad ones
-// are refused with the code that their names begin with.
+// are refused with the code that their names begin with. Both decoders of the package.
 import assert from 'node:assert/strict';
 import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
@@ -19,10 +19,13 @@ const read = (kind, name) => new Uint8Array(readFileSync(join(folder, kind, name
 const specification = readFileSync(join(root, 'gltf_ext/README.md'), 'utf8');
 const sentences = new Map([...specification.matchAll(/^\| `(\w+)` \| \d \| (.*?) \|/gm)].map(([, code, sentence]) => [code, sentence]));
 
-for (const file of list('good', '.nmc')) {
-  test(`good: ${file}`, () => {
+const decoders = ['js', 'wasm'];
+const each = (kind) => list(kind, '.nmc').flatMap((file) => decoders.map((decoder) => ({ file, decoder })));
+
+for (const { file, decoder } of each('good')) {
+  test(`good: ${file}, ${decoder}`, () => {
     const expected = JSON.parse(readFileSync(join(folder, 'good', file.replace('.nmc', '.json')), 'utf8'));
-    const set = openSet(read('good', file));
+    const set = openSet(read('good', file), { decoder });
     assert.deepEqual(set.targets.map(({ path, width }) => ({ path, width })), expected.targets);
     assert.equal(set.clips.length, expected.clips.length);
     const pose = new Float32Array(set.slots);
@@ -38,12 +41,12 @@ for (const file of list('good', '.nmc')) {
   });
 }
 
-for (const file of list('bad', '.nmc')) {
-  test(`bad: ${file}`, () => {
+for (const { file, decoder } of each('bad')) {
+  test(`bad: ${file}, ${decoder}`, () => {
     const [, code] = /^([a-z]+)/.exec(file);
     assert.ok(sentences.has(code));
     assert.throws(
-      () => openSet(read('bad', file)),
+      () => openSet(read('bad', file), { decoder }),
       (error) => {
         assert.ok(error instanceof NmcError);
         assert.equal(error.code, code, error.detail);

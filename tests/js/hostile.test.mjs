@@ -1,4 +1,4 @@
-// Bytes that nobody should trust: every one of them decodes, or gives an NmcError, soon.
+// Bytes that nobody should trust: every one of them decodes, or gives an NmcError, soon; the same with both decoders.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
@@ -8,12 +8,18 @@ import { compressed, noTool, readGlb, sample, streams } from './support.mjs';
 
 const seconds = 2;
 
-/** Opens, evaluates and decodes. Returns the code of the NmcError, or 'fine'. Any other exception, or too long a time, fails the test. */
 function outcome(bytes) {
+  const code = outcomeOf(bytes, 'js');
+  assert.equal(outcomeOf(bytes, 'wasm'), code);
+  return code;
+}
+
+/** Opens, evaluates and decodes. Returns the code of the NmcError, or 'fine'. Any other exception, or too long a time, fails the test. */
+function outcomeOf(bytes, decoder) {
   const begin = performance.now();
   let code = 'fine';
   try {
-    const set = openSet(bytes);
+    const set = openSet(bytes, { decoder });
     const pose = new Float32Array(set.slots);
     for (const clip of set.clips) {
       clip.evaluate(clip.end / 2, pose);

@@ -1,16 +1,15 @@
-// The decoder's face: opens a stream and evaluates its clips. No glTF here; extension.js connects targets to nodes.
+// The decoder in JavaScript: opens a stream and evaluates its clips. No glTF here; extension.js connects targets to nodes.
 import { NmcError, need } from './error.js';
 import { PATHS, readPayload } from './payload.js';
 import { PoseEvaluator, lastAtOrBefore, slerp } from './pose.js';
 
 /**
  * Opens a stream: checks it as a whole and reads all that is in it.
- * @param {Uint8Array} bytes the stream and nothing else
+ * @param {Uint8Array} bytes
  * @returns {ClipSet}
  * @throws {NmcError} if the stream is broken in any way
  */
-export function openSet(bytes) {
-  if (!(bytes instanceof Uint8Array)) throw new NmcError('argument', 'openSet needs a Uint8Array');
+export function openJsSet(bytes) {
   return new ClipSet(readPayload(bytes));
 }
 

@@ -9,17 +9,17 @@ const TYPES = { translation: 'VEC3', rotation: 'VEC4', scale: 'VEC3', weights: '
  * A compressed GLB file as a plain one: every clip as channels again, the extension gone. What the stubs used stays as unused accessors. A file
  * without the extension comes back unchanged. The argument is not changed.
  * @param {ArrayBuffer | Uint8Array} glb
+ * @param {object} [options] of openSet
  * @returns {ArrayBuffer}
  * @throws {NmcError} if the file or a stream in it is broken
  */
-export function expand(glb) {
+export function expand(glb, options) {
   const bytes = toBytes(glb);
   const { json, chunks } = readGlb(bytes);
   if (!usesExtension(json)) return bytes.slice().buffer;
   const bin = chunks.find(({ type }) => type === BIN_CHUNK);
-  const plain = expandDocument(json, (index) =>
-    index === 0 && json.buffers[0].uri === undefined ? bin?.bytes : dataUri(json.buffers[index].uri),
-  );
+  const bufferBytes = (index) => (index === 0 && json.buffers[0].uri === undefined ? bin?.bytes : dataUri(json.buffers[index].uri));
+  const plain = expandDocument(json, bufferBytes, options);
   if (plain.added.length > 0) {
     if (bin && json.buffers[0].uri === undefined) bin.bytes = appendToBin(json, bin.bytes, plain);
     else addDataUri(json, plain);
@@ -31,13 +31,14 @@ export function expand(glb) {
  * A compressed .gltf document as a plain one. The new keys are in a buffer of their own with a data URI, so the other buffers stay where they are.
  * @param {object} json the document; not changed
  * @param {Uint8Array[]} buffers the bytes of the document's buffers; those that hold no stream may be missing
+ * @param {object} [options] of openSet
  * @returns {object} the plain document
  * @throws {NmcError} if the document or a stream in it is broken
  */
-export function expandJson(json, buffers) {
+export function expandJson(json, buffers, options) {
   const copy = structuredClone(json);
   if (!usesExtension(copy)) return copy;
-  const plain = expandDocument(copy, (index) => buffers[index] ?? dataUri(copy.buffers[index].uri));
+  const plain = expandDocument(copy, (index) => buffers[index] ?? dataUri(copy.buffers[index].uri), options);
   if (plain.added.length > 0) addDataUri(copy, plain);
   return copy;
 }
@@ -74,7 +75,7 @@ function viewBytes(json, index, bufferBytes) {
  * Edits the document. The bufferView of each stream becomes the one of that set's keys, so that no index changes.
  * @returns {{added: {view: number, arrays: Float32Array[], size: number}[], size: number}} the keys, still without a buffer
  */
-function expandDocument(json, bufferBytes) {
+function expandDocument(json, bufferBytes, options) {
   const root = rootExtension(json);
   const added = [];
   // With `fallback` the channels are there already; the clips would only give them once more.
@@ -83,7 +84,7 @@ function expandDocument(json, bufferBytes) {
       const view = clipSetView(json, index);
       const keys = { view, arrays: [], size: 0 };
       added.push(keys);
-      return { ...openClipSet(json, index, viewBytes(json, view, bufferBytes)), keys };
+      return { ...openClipSet(json, index, viewBytes(json, view, bufferBytes), options), keys };
     });
     for (let index = 0; index < (json.animations?.length ?? 0); ++index) {
       const reference = clipReference(json, index);

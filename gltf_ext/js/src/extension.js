@@ -1,6 +1,6 @@
 // The extension's JSON: which stream and which clip an animation has, and what its targets move. Shared by all loaders.
-import { openSet } from './decoder.js';
 import { need as needOrThrow } from './error.js';
+import { openSet } from './open.js';
 
 export const EXTENSION = 'NMC_animation_compression';
 
@@ -57,12 +57,13 @@ export function trueChannels(animation) {
  * @param {object} json a glTF document
  * @param {number} index in the extension's clipSets
  * @param {Uint8Array} bytes of that set's bufferView
+ * @param {object} [options] of openSet
  * @returns {{set: ClipSet, nodes: Int32Array}} nodes: per target of the stream the node that it moves
  * @throws {NmcError} if the stream is broken or does not fit the document
  */
-export function openClipSet(json, index, bytes) {
+export function openClipSet(json, index, bytes, options) {
   const nodes = clipSetNodes(json, index);
-  const set = openSet(bytes);
+  const set = openSet(bytes, options);
   need(
     set.targets.length === nodes.length,
     `clip set ${index} has ${nodes.length} targets in the document and ${set.targets.length} in its stream`,

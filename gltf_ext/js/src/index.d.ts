@@ -51,17 +51,25 @@ export interface ClipSet {
   readonly clips: readonly Clip[];
 }
 
+/** `auto`: WebAssembly for streams that it reads sooner, JavaScript for tiny ones, and wherever WebAssembly cannot be had. */
+export type Decoder = 'auto' | 'js' | 'wasm';
+
+export interface OpenOptions {
+  /** Who decodes (default auto). Both give the same, within the conformance section of the specification. */
+  decoder?: Decoder;
+}
+
 /**
  * Opens a stream: checks it as a whole and reads all that is in it.
- * @throws NmcError if the stream is broken in any way
+ * @throws NmcError if the stream is broken in any way; `argument` if the decoder is wasm and WebAssembly cannot be had
  */
-export function openSet(bytes: Uint8Array): ClipSet;
+export function openSet(bytes: Uint8Array, options?: OpenOptions): ClipSet;
 
 /**
  * A compressed GLB file as a plain one, which every loader plays. A file without the extension comes back unchanged.
  * @throws NmcError if the file or a stream in it is broken
  */
-export function expand(glb: ArrayBuffer | Uint8Array): ArrayBuffer;
+export function expand(glb: ArrayBuffer | Uint8Array, options?: OpenOptions): ArrayBuffer;
 
 /**
  * A compressed .gltf document as a plain one; the new keys are in a data URI.
@@ -69,4 +77,4 @@ export function expand(glb: ArrayBuffer | Uint8Array): ArrayBuffer;
  * @param buffers the bytes of the document's buffers; those that hold no stream may be missing
  * @throws NmcError if the document or a stream in it is broken
  */
-export function expandJson(json: object, buffers: ReadonlyArray<Uint8Array | undefined>): object;
+export function expandJson(json: object, buffers: ReadonlyArray<Uint8Array | undefined>, options?: OpenOptions): object;

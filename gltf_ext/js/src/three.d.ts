@@ -1,3 +1,4 @@
+import type { Decoder } from './index.js';
 import type { GLTFLoaderPlugin, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 
 export interface NmcPluginOptions {
@@ -6,6 +7,8 @@ export interface NmcPluginOptions {
    * them: trim, optimize, subclip, additive clips.
    */
   streaming?: boolean;
+  /** As in openSet. */
+  decoder?: Decoder;
 }
 
 /** What `GLTFLoader.register` takes: `new GLTFLoader().register(nmcPlugin())`. */

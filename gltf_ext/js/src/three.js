@@ -12,17 +12,18 @@ const TRACKS = {
 
 /**
  * What `GLTFLoader.register` takes: `new GLTFLoader().register(nmcPlugin())`.
- * @param {{streaming?: boolean}} [options] streaming: clips keep no keys and evaluate their poses while they play. They take a fraction of the
- *   memory, but three.js cannot edit them (trim, optimize, subclip, additive clips).
+ * @param {{streaming?: boolean, decoder?: string}} [options] streaming: clips keep no keys and evaluate their poses while they play. They take a
+ *   fraction of the memory, but three.js cannot edit them (trim, optimize, subclip, additive clips). decoder: as in openSet.
  */
-export function nmcPlugin({ streaming = false } = {}) {
-  return (parser) => new NmcAnimationPlugin(parser, streaming);
+export function nmcPlugin({ streaming = false, decoder } = {}) {
+  return (parser) => new NmcAnimationPlugin(parser, streaming, decoder);
 }
 
 class NmcAnimationPlugin {
-  constructor(parser, streaming) {
+  constructor(parser, streaming, decoder) {
     this.name = EXTENSION;
     this.parser = parser;
+    this.decoder = decoder;
     this.makeTracks = streaming ? streamingTracks : keyTracks;
     this.sets = new Map();
   }
@@ -57,7 +58,7 @@ class NmcAnimationPlugin {
   async openSet(index) {
     const { parser } = this;
     const bytes = await parser.getDependency('bufferView', clipSetView(parser.json, index));
-    return openClipSet(parser.json, index, new Uint8Array(bytes));
+    return openClipSet(parser.json, index, new Uint8Array(bytes), { decoder: this.decoder });
   }
 
   /** The loader's own clip of the channels that are not compressed; it also knows the animation's name and extras. */

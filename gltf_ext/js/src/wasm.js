@@ -1,4 +1,5 @@
 // The C decoder, compiled to WebAssembly (wasm/nmc_wasm.c), behind the interface of decoder.js.
+import { openJsSet } from './decoder.js';
 import { NmcError } from './error.js';
 import { PATHS } from './payload.js';
 import { wasmBinary } from './wasm_binary.js';
@@ -41,8 +42,18 @@ export function openWasmSet(bytes) {
   new Uint8Array(module.memory.buffer).set(bytes, at);
   const result = module.open(at, bytes.length);
   if (result < 0) return null;
-  if (result > 0) throw new NmcError(CODES[result], 'found by the C decoder');
+  if (result > 0) throw refusal(CODES[result], bytes);
   return new WasmClipSet(module);
+}
+
+/** The C decoder says only which kind of error it found; the other one says it more precisely. */
+function refusal(code, bytes) {
+  try {
+    openJsSet(bytes);
+  } catch (error) {
+    if (error instanceof NmcError && error.code === code) return error;
+  }
+  return new NmcError(code, `the C decoder refuses the stream as ${code}`);
 }
 
 /** See ClipSet in decoder.js. The memory belongs to this set and its clips alone, and goes with them. */

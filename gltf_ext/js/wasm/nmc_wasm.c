@@ -26,6 +26,7 @@ static void *scratch;
 static wasm_near *nears; /* per clip */
 static float *pose;
 static float *keys;
+typedef char wasm_keys_fit[sizeof(struct nmc_models) >= WASM_KEY_FLOATS * sizeof(float) ? 1 : -1];
 
 /* clang makes calls of these where a size is not known; with bulk memory they are one instruction. */
 void *memcpy(void *to, const void *from, size_t size) { return __builtin_memcpy(to, from, size); }
@@ -57,9 +58,10 @@ WASM_EXPORT(open) int wasm_open(const uint8_t *bytes, size_t size) {
   scratch = wasm_reserve(info.scratch_bytes);
   nears = wasm_reserve(info.clips * sizeof(wasm_near));
   pose = wasm_reserve(info.slots * sizeof(float));
-  keys = wasm_reserve(WASM_KEY_FLOATS * sizeof(float));
-  if (!workspace || !scratch || !nears || !pose || !keys) return WASM_NO_MEMORY;
-  return (int)nmc_open(&set, bytes, size, workspace, info.workspace_bytes);
+  if (!workspace || !scratch || !nears || !pose) return WASM_NO_MEMORY;
+  result = nmc_open(&set, bytes, size, workspace, info.workspace_bytes);
+  keys = (float *)(void *)set.models; /* a set that is open has no more use for them */
+  return (int)result;
 }
 
 WASM_EXPORT(slots) uint32_t wasm_slots(void) { return set.info.slots; }
