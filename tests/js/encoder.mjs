@@ -7,7 +7,8 @@ export class Encoder extends Decisions {
   /** @param {number[]} numbers in the order in which the decoder asks for them; raw floats and doubles as such */
   constructor(numbers, runs) {
     super(new Uint8Array(0), 0, runs);
-    this.numbers = [...numbers];
+    /** The next one is the last, which is quick to take. */
+    this.numbers = [...numbers].reverse();
     this.bits = [];
     this.bytesOut = [];
     this.low = 0;
@@ -19,7 +20,7 @@ export class Encoder extends Decisions {
 
   take() {
     if (this.numbers.length === 0) throw new Error('the decoder asks for more numbers');
-    return this.numbers.shift();
+    return this.numbers.pop();
   }
 
   decide(p) {
@@ -58,7 +59,7 @@ export class Encoder extends Decisions {
 
   simpleSigned(run) {
     const value = this.take();
-    this.numbers.unshift(value < 0 ? -2 * value - 1 : 2 * value);
+    this.numbers.push(value < 0 ? -2 * value - 1 : 2 * value);
     return super.simpleSigned(run);
   }
 
