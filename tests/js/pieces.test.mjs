@@ -124,7 +124,7 @@ function make(counts, numbers) {
   const header = Object.fromEntries(names.map((name, i) => [name, counts[i] ?? 0]));
   const encoder = new Encoder(numbers.flat(Infinity), RUNS);
   readDecisions(encoder, header);
-  return openSet(stream(counts, encoder.finish()));
+  return openSet(stream(counts, encoder.finish()), { decoder: 'js' });
 }
 
 const plain = [0, 0, 0];

@@ -1,4 +1,4 @@
-// The decoder and expand against the reference decoder, which shares no code with them: `gltf-nmc decode` runs it.
+// The decoders and expand against the reference decoder: `gltf-nmc decode` runs it. The one in JavaScript shares no code with it.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -9,6 +9,7 @@ import { channels, fixtures, largestDifference, readGlb, runTool, scratch, strea
 
 // The conformance section of gltf_ext/README.md.
 const tolerance = 1e-5;
+const decoders = ['js', 'wasm'];
 
 const validator = createRequire(import.meta.url)('gltf-validator');
 
@@ -43,8 +44,9 @@ function sameChannels(expected, actual) {
 for (const { name, original, file, skip } of fixtures) {
   test(`${name}: expand gives what the reference decoder gives`, { skip }, async () => {
     const bytes = readFileSync(file());
-    const plain = new Uint8Array(expand(bytes));
-    sameChannels(channels(decodedByTool(file())), channels(plain));
+    const [plain, other] = decoders.map((decoder) => new Uint8Array(expand(bytes, { decoder })));
+    const expected = channels(decodedByTool(file()));
+    for (const one of [plain, other]) sameChannels(expected, channels(one));
     const { json } = readGlb(plain);
     assert.ok(!JSON.stringify(json).includes('NMC_animation_compression'));
     // What is wrong with the original stays wrong.
@@ -52,8 +54,8 @@ for (const { name, original, file, skip } of fixtures) {
   });
 
   test(`${name}: a pose at a key is that key, between keys it is LINEAR's`, { skip }, () => {
-    for (const stream of streams(readFileSync(file()))) {
-      const set = openSet(stream);
+    const sets = streams(readFileSync(file())).flatMap((stream) => decoders.map((decoder) => openSet(stream, { decoder })));
+    for (const set of sets) {
       const pose = new Float32Array(set.slots);
       for (const clip of set.clips) {
         const tracks = clip.decode().filter(({ values, times }) => values.length > 0 && times === clip.times);
