@@ -5,7 +5,7 @@ import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
-import { compressed, noShared, noTool, root, sample, scratch, sharedFile } from './support.mjs';
+import { compressed, noShared, noTool, root, sample, scratch, sharedFile, streams } from './support.mjs';
 
 const executablePath = process.env.NMC_CHROMIUM ?? '/usr/bin/chromium';
 const noChromium = existsSync(executablePath) ? false : `needs Chromium (${executablePath}); set NMC_CHROMIUM`;
@@ -17,6 +17,11 @@ const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/ja
 let server;
 let browser;
 const served = new Map();
+/** Empty pages that a Content-Security-Policy binds. */
+const policies = new Map([
+  ['/strict', "script-src 'self'"],
+  ['/wasm', "script-src 'self' 'wasm-unsafe-eval'"],
+]);
 
 /** Gives a file of any folder an address on the test's server. */
 function address(file) {
@@ -30,6 +35,7 @@ before(async () => {
   mkdirSync(pictures, { recursive: true });
   server = createServer((request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
+    if (policies.has(path)) return response.writeHead(200, { 'content-type': 'text/html', 'content-security-policy': policies.get(path) }).end();
     const file = served.get(path) ?? join(root, path);
     if (!existsSync(file)) return response.writeHead(404).end();
     response.writeHead(200, { 'content-type': types[extname(file)] ?? 'application/octet-stream' }).end(readFileSync(file));
@@ -67,6 +73,32 @@ for (const { name, file, clips, skip } of characters) {
       assert.ok(different < 0.02, `${different} of the pixels differ`);
     });
   }
+}
+
+for (const [address, decoder] of [
+  ['/strict', 'js'],
+  ['/wasm', 'wasm'],
+]) {
+  test(`under the policy "${policies.get(address)}" the decoder is ${decoder}`, { skip: noTool || noChromium }, async () => {
+    const [stream] = streams(readFileSync(compressed(sample('humanoid_30hz.glb'), '--tolerance', '0.1%', '--effort', '1')));
+    const page = await browser.newPage();
+    const errors = [];
+    page.on('pageerror', (error) => errors.push(String(error)));
+    await page.goto(`http://127.0.0.1:${server.address().port}${address}`);
+    const [auto, expected, keys] = await page.evaluate(openInPage, [[...stream], decoder]);
+    await page.close();
+    assert.deepEqual(errors, []);
+    assert.equal(auto, expected);
+    assert.ok(keys > 1000);
+  });
+}
+
+/** Which kind of set the package opens by itself, and which one the named decoder opens; runs in the page. */
+async function openInPage([numbers, decoder]) {
+  const { openSet } = await import('/gltf_ext/js/src/index.js');
+  const [auto, named] = [undefined, decoder].map((one) => openSet(Uint8Array.from(numbers), { decoder: one }));
+  const keys = auto.clips.flatMap((clip) => clip.decode()).reduce((sum, { values }) => sum + values.length, 0);
+  return [auto.constructor.name, named.constructor.name, keys];
 }
 
 async function play(name, files, options, picture) {
