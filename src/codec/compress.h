@@ -108,6 +108,8 @@ struct InspectedClip {
   double duration_seconds = 0;
   std::vector<int> frequencies;  ///< half cycles per clip (paper profile) or the highest used index of each window
   std::size_t nonzero_weights = 0;
+  std::string basis;            ///< "cosine", "periodic" or "sine" (gltf_ext/README.md, A.6)
+  std::size_t corrections = 0;  ///< atoms
 };
 struct InspectedPart {
   std::string name;  ///< "header", "references", "times", "network", "weights", ...

@@ -23,6 +23,8 @@ InspectedClip clip_of(const nmc_set& set, std::uint32_t index) {
   const nmc_clip& clip = set.clips[index];
   InspectedClip made;
   made.frames = clip.samples;
+  made.basis = clip.basis == NMC_COSINE ? "cosine" : clip.basis == NMC_PERIODIC ? "periodic" : "sine";
+  made.corrections = clip.atoms;
   const float* times = nmc_times(&set, index);
   made.duration_seconds = static_cast<double>(times[clip.samples - 1]) - times[0];
   for (std::uint32_t k = 0; k < clip.frequencies; ++k)

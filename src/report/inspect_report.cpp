@@ -35,11 +35,18 @@ std::string parts_table(const InspectedSet& set) {
 }
 
 std::string clips_table(const InspectedSet& set) {
-  Table table({{"animation", Align::left}, {"index"}, {"frames"}, {"length"}, {"frequencies"}, {"nonzero weights"}});
+  Table table({{"animation", Align::left},
+               {"index"},
+               {"frames"},
+               {"length"},
+               {"basis", Align::left},
+               {"frequencies"},
+               {"nonzero weights"},
+               {"corrections"}});
   for (const InspectedClip& clip : set.clips) {
     table.add_row({clip.name, std::to_string(clip.animation), std::to_string(clip.frames),
-                   format_seconds(clip.duration_seconds), frequencies_text(clip.frequencies),
-                   format_bytes(clip.nonzero_weights)});
+                   format_seconds(clip.duration_seconds), clip.basis, frequencies_text(clip.frequencies),
+                   format_bytes(clip.nonzero_weights), format_bytes(clip.corrections)});
   }
   return table.text();
 }
@@ -55,7 +62,9 @@ Json set_json(const InspectedSet& set) {
                              {"frames", clip.frames},
                              {"duration_seconds", clip.duration_seconds},
                              {"frequencies", clip.frequencies},
-                             {"nonzero_weights", clip.nonzero_weights}});
+                             {"nonzero_weights", clip.nonzero_weights},
+                             {"basis", clip.basis},
+                             {"corrections", clip.corrections}});
   }
   return json;
 }

@@ -100,7 +100,10 @@ TEST_F(RoundTrip, InspectTellsWhatIsInside) {
   const Json inside = Json::parse(run_well({"inspect", file("packed.glb"), "--json"}).out);
   EXPECT_EQ(inside["compressed_animations"], 1);
   ASSERT_EQ(inside["clip_sets"].size(), 1U);
-  EXPECT_EQ(inside["clip_sets"][0]["clips"][0]["name"], "wave");
+  const Json& clip = inside["clip_sets"][0]["clips"][0];
+  EXPECT_EQ(clip["name"], "wave");
+  EXPECT_THAT(clip["basis"].get<std::string>(), testing::AnyOf("cosine", "periodic", "sine"));
+  EXPECT_LT(clip["corrections"].get<int>(), clip["frames"].get<int>());
   EXPECT_THAT(run_well({"inspect", file("packed.glb")}).out, HasSubstr("wave"));
   EXPECT_THAT(run_well({"inspect", in}).out, HasSubstr("1 animations, 0 compressed"));
 }
