@@ -20,6 +20,7 @@ std::string method_name(const codec::CompressOptions& options) {
   if (!parts.quantisation_aware) return "without training";
   if (!parts.refinement) return "without repair and pruning";
   if (!parts.corrections) return "without corrections";
+  if (options.contact_weight == 1) return "contact weight 1, not 3";
   return fmt::format("default, effort {}", options.effort);
 }
 
@@ -48,6 +49,7 @@ void measure_result(const Reference& reference, const gltf::Document& made, Meas
   row.joint_error = error.joints;
   row.jitter = error.jitter;
   row.loop_seam = error.loop_seam;
+  row.contact_drift = error.contact_drift;
 }
 
 Measurement measure_cost(const std::filesystem::path& path) {
@@ -76,12 +78,13 @@ Measurement measure_codec(const std::filesystem::path& path, const codec::Compre
 }
 
 std::vector<codec::CompressOptions> ablations(const codec::CompressOptions& options) {
-  std::vector<codec::CompressOptions> all(5, options);
+  std::vector<codec::CompressOptions> all(6, options);
   all[0].parts.kinematics = false;
   all[1].parts.rising_norm = false;
   all[2].parts.quantisation_aware = false;
   all[3].parts.refinement = false;
   all[4].parts.corrections = false;
+  all[5].contact_weight = 1;
   return all;
 }
 
@@ -104,6 +107,7 @@ Measurement measure_clips_apart(const std::filesystem::path& path, const codec::
         sum.error = std::max(sum.error, clip.error.max / result.size);
         sum.jitter = std::max(sum.jitter, clip.error.jitter / result.size);
         sum.loop_seam = std::max(sum.loop_seam, clip.error.loop_seam / result.size);
+        sum.contact_drift = std::max(sum.contact_drift, clip.error.contact_drift / result.size);
       }
   }
   return sum;

@@ -16,6 +16,7 @@ struct Measurement {
   double joint_error = 0;      ///< over joints alone, share of the character's size
   double jitter = 0;           ///< motion::ErrorReport, share of the character's size, the largest of any animation
   double loop_seam = 0;        ///< likewise
+  double contact_drift = 0;    ///< likewise
   bool joints_only = false;    ///< the method's bound is on joints alone
   double seconds = 0;          ///< of compressing
   std::size_t peak_bytes = 0;  ///< resident memory at the end of compressing, at most
@@ -23,6 +24,6 @@ struct Measurement {
 };
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, method, reached, key_bytes, json_bytes, error, joint_error, jitter,
-                                   loop_seam, joints_only, seconds, peak_bytes, note)
+                                   loop_seam, contact_drift, joints_only, seconds, peak_bytes, note)
 
 }  // namespace nmc::bench

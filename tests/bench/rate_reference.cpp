@@ -98,12 +98,13 @@ FileError Reference::error(const gltf::Document& other) const {
     if (animations_[i].curves.empty()) continue;
     const Animation* found = find_animation(made, animations_[i].name, i);
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    if (!found) return {infinite, infinite, infinite, infinite};
+    if (!found) return {infinite, infinite, infinite, infinite, infinite};
     const motion::ErrorReport report = meter_.report(animations_[i], renumbered(*found, match));
     worst.all = std::max(worst.all, report.max / size_);
     worst.joints = std::max(worst.joints, report.max_joint / size_);
     worst.jitter = std::max(worst.jitter, report.jitter / size_);
     worst.loop_seam = std::max(worst.loop_seam, report.loop_seam / size_);
+    worst.contact_drift = std::max(worst.contact_drift, report.contact_drift / size_);
   }
   return worst;
 }

@@ -19,6 +19,7 @@ struct FileError {
   double joints = 0;  ///< joints alone
   double jitter = 0;  ///< motion::ErrorReport
   double loop_seam = 0;
+  double contact_drift = 0;
 };
 
 class Reference {

@@ -54,18 +54,20 @@ void add(const Measurement& row, const Measurement& other, Means& means) {
 void print_head(const std::string& file, double tolerance_percent) {
   fmt::print("\n### {}, {} %\n\n", report::printable(file), tolerance_percent);
   fmt::print(
-      "| method | keys, bytes | JSON, bytes | largest error, % of size | jitter, % | loop seam, % | seconds | peak MB "
+      "| method | keys, bytes | JSON, bytes | largest error, % of size | jitter, % | loop seam, % | drift, % | seconds "
+      "| peak MB "
       "| |\n");
-  fmt::print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n");
+  fmt::print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n");
   std::fflush(stdout);
 }
 
 void print_row(const Measurement& row) {
   if (row.reached)
-    fmt::print("| {} | {} | {} | {} | {:.4g} | {:.4g} | {} | {} | {} |\n", row.method, row.key_bytes, row.json_bytes,
-               error_text(row), 100 * row.jitter, 100 * row.loop_seam, seconds_text(row), memory_text(row), row.note);
+    fmt::print("| {} | {} | {} | {} | {:.4g} | {:.4g} | {:.4g} | {} | {} | {} |\n", row.method, row.key_bytes,
+               row.json_bytes, error_text(row), 100 * row.jitter, 100 * row.loop_seam, 100 * row.contact_drift,
+               seconds_text(row), memory_text(row), row.note);
   else
-    fmt::print("| {} | - | - | - | - | - | - | - | {} |\n", row.method, row.note);
+    fmt::print("| {} | - | - | - | - | - | - | - | - | {} |\n", row.method, row.note);
   std::fflush(stdout);
 }
 
