@@ -277,9 +277,7 @@ class Corrector {
     for (std::size_t k = 0; k < chosen.size(); ++k)
       if (const auto level = static_cast<std::int32_t>(levels(static_cast<Eigen::Index>(k))); level != 0)
         atoms.push_back({static_cast<std::uint32_t>(n), static_cast<int>(parameter(chosen[k])), 0, level});
-    Eigen::MatrixXd values = values_.col(n);
-    for (const LevelAtom& atom : atoms) values(atom.parameter, 0) += atom.level * steps_.anchor(atom.parameter);
-    const Rows error = exact_error(values, n);
+    const Rows error = exact_error(n, atoms);
     if (squares(error.matrix()).maxCoeff() > 1) return false;
     for (const LevelAtom& atom : atoms) put(atom);
     error_.col(n) = error;
@@ -287,8 +285,10 @@ class Corrector {
     return true;
   }
 
-  /// The errors of sample n for these values of it (one column), times its strictness.
-  Rows exact_error(const Eigen::MatrixXd& values, Eigen::Index n) const {
+  /// The errors of sample n with these atoms of its own added, times its strictness.
+  Rows exact_error(Eigen::Index n, const std::vector<LevelAtom>& atoms) const {
+    Eigen::MatrixXd values = values_.col(n);
+    for (const LevelAtom& atom : atoms) values(atom.parameter, 0) += atom.level * steps_.anchor(atom.parameter);
     return strictness_(n) * (map_.positions(values) - wanted_.col(n));
   }
 
@@ -327,13 +327,10 @@ class Corrector {
     if (++restored_[static_cast<std::size_t>(n)] > most_restorations) return false;
     take_back(n);
     const std::vector<LevelAtom> atoms =
-        needed_atoms(missing_by_target(layout_, steps_, n, 1, values_), [&](const std::vector<LevelAtom>& some) {
-          Eigen::MatrixXd values = values_.col(n);
-          for (const LevelAtom& atom : some) values(atom.parameter, 0) += atom.level * steps_.anchor(atom.parameter);
-          return sample_excess(exact_error(values, n).matrix());
-        });
+        needed_atoms(missing_by_target(layout_, steps_, n, 1, values_),
+                     [&](const std::vector<LevelAtom>& some) { return sample_excess(exact_error(n, some).matrix()); });
     for (const LevelAtom& atom : atoms) put(atom);
-    error_.col(n) = exact_error(values_.col(n), n);
+    error_.col(n) = exact_error(n, {});
     measure(n, 1);
     return true;
   }
