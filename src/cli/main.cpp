@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "cli/command.h"
+#include "cli/interrupt.h"
 #include "report/format.h"
 
 namespace nmc::cli {
@@ -147,6 +148,7 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   using nmc::cli::fail;
+  nmc::cli::end_cleanly_on_signals();
   try {
     return nmc::cli::run(std::vector<std::string>(argv + 1, argv + argc));
   } catch (const nmc::Error& error) {

@@ -79,6 +79,15 @@ bool is_constant_enough(const gltf::UntouchedChannel& channel, double tolerance,
          is_steady(curve, tolerance, size);
 }
 
+/// Whether any animation moves a node: without motion nobody looks at the meshes, and what is wrong in them can stay.
+bool has_motion(const gltf::Asset& asset) {
+  return std::any_of(asset.animations.begin(), asset.animations.end(), [](const gltf::AnimationSource& animation) {
+    return !animation.channels.empty() ||
+           std::any_of(animation.untouched.begin(), animation.untouched.end(),
+                       [](const gltf::UntouchedChannel& channel) { return channel.curve.node >= 0; });
+  });
+}
+
 std::size_t animated_nodes(const motion::Clip& clip) {
   std::set<int> nodes;
   for (const motion::Track& track : clip.tracks) nodes.insert(track.node);
@@ -107,8 +116,10 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
   Source source;
   source.asset = gltf::read_asset(document);
   source.skeleton = make_skeleton(source.asset);
-  source.points = gltf::skin_points(document, source.asset);
-  source.all_points = gltf::skin_points(document, source.asset, true);
+  if (has_motion(source.asset)) {
+    source.points = gltf::skin_points(document, source.asset);
+    source.all_points = gltf::skin_points(document, source.asset, true);
+  }
   source.joint_points = source.skeleton.joints.empty() ? source.points : points_of_joints(source.skeleton);
   source.size = motion::character_size(source.skeleton, source.all_points);
   source.tolerance = options.tolerance.unit == Tolerance::Unit::world_units ? options.tolerance.value

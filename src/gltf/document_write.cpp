@@ -166,6 +166,68 @@ void protect_input(const Document& document, const fs::path& output, const fs::p
   }
 }
 
+/// 32 bits of FNV-1a, as eight digits.
+std::string short_hash(std::span<const std::uint8_t> bytes) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 1099511628211ULL;
+  return fmt::format("{:08x}", static_cast<std::uint32_t>(hash >> 32 ^ hash));
+}
+
+/// The stem of the names of a document's buffer files: "small.gltf" has "small.bin", its second buffer "small_1.bin".
+std::string buffer_stem(const fs::path& document, std::size_t index) {
+  return document.stem().string() + (index == 0 ? std::string() : fmt::format("_{}", index));
+}
+
+/// A name for a buffer's file that takes no other file's place: until the new .gltf is in its place the old one needs
+/// its own buffers.
+std::string buffer_name(const fs::path& document, std::size_t index, const Bytes& bytes) {
+  const std::string stem = buffer_stem(document, index);
+  const fs::path folder = document.parent_path();
+  const auto is_free = [&](const std::string& name) {
+    std::error_code error;
+    if (!fs::exists(fs::symlink_status(folder / name, error))) return true;
+    return is_existing_file(folder / name) && fs::file_size(folder / name, error) == bytes.size() && !error &&
+           read_file(folder / name) == bytes;
+  };
+  std::string name = stem + ".bin";
+  if (is_free(name)) return name;
+  const std::string hash = short_hash(bytes);
+  name = fmt::format("{}.{}.bin", stem, hash);
+  for (int more = 2; !is_free(name); ++more) name = fmt::format("{}.{}.{}.bin", stem, hash, more);
+  return name;
+}
+
+/// The buffer files of the .gltf that stands where `path` will be written, as far as this program has named them.
+std::vector<fs::path> old_buffer_files(const fs::path& path) {
+  std::vector<fs::path> files;
+  if (!is_existing_file(path)) return files;
+  const Bytes bytes = read_file(path);
+  const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  const Json* buffers = json.is_object() ? find(json, "buffers") : nullptr;
+  if (buffers == nullptr || !buffers->is_array()) return files;
+  for (std::size_t i = 0; i < buffers->size(); ++i) {
+    const std::optional<std::string> uri = uri_of((*buffers)[i]);
+    const std::optional<std::string> name = uri ? percent_decode(*uri) : std::nullopt;
+    const std::string stem = buffer_stem(path, i) + ".";
+    if (name && name->find('/') == std::string::npos && name->starts_with(stem) && name->ends_with(".bin"))
+      files.push_back(path.parent_path() / *name);
+  }
+  return files;
+}
+
+/// Removes files that the .gltf just replaced has needed and that the new one does not.
+void remove_files(const std::vector<fs::path>& old_files, const Json& json, const fs::path& folder) {
+  for (const fs::path& file : old_files) {
+    bool needed = false;
+    for (const Json& buffer : json["buffers"]) {
+      const std::optional<std::string> uri = uri_of(buffer);
+      if (const auto name = uri ? percent_decode(*uri) : std::nullopt) needed = needed || folder / *name == file;
+    }
+    std::error_code ignored;
+    if (!needed && is_existing_file(file)) fs::remove(file, ignored);
+  }
+}
+
 /// The document as .gltf: data URIs stay data URIs, every other buffer gets a file of its own beside the output.
 Json add_gltf_buffers(const Document& document, const fs::path& path, FileReplacement& files) {
   Json json = document.json;
@@ -177,10 +239,9 @@ Json add_gltf_buffers(const Document& document, const fs::path& path, FileReplac
       set_data_uri(buffer, document.buffers[i]);
       continue;
     }
-    const std::string name = path.stem().string() + (i == 0 ? std::string() : fmt::format("_{}", i)) + ".bin";
-    const fs::path file = path.parent_path() / name;
-    protect_input(document, path, file);
-    files.add(file, document.buffers[i]);
+    protect_input(document, path, path.parent_path() / (buffer_stem(path, i) + ".bin"));
+    const std::string name = buffer_name(path, i, document.buffers[i]);
+    if (!is_existing_file(path.parent_path() / name)) files.add(path.parent_path() / name, document.buffers[i]);
     buffer["uri"] = percent_encode(name);
   }
   return json;
@@ -212,12 +273,16 @@ void write_document(const Document& document, const fs::path& path) {
     const Json json = glb_json(document, outside);
     add_companions(files, find_companions(document, outside, path.parent_path()));
     files.add(path, glb_bytes(document, json));
-  } else {
-    add_companions(files, find_companions(document, outside, path.parent_path()));
-    const Json json = add_gltf_buffers(document, path, files);
-    files.add(path, as_bytes(json.dump(document.is_glb ? -1 : 2)));
+    files.commit();
+    return;
   }
+  const FolderLock lock(path.parent_path());
+  add_companions(files, find_companions(document, outside, path.parent_path()));
+  const Json json = add_gltf_buffers(document, path, files);
+  files.add(path, as_bytes(json.dump(document.is_glb ? -1 : 2)));
+  const std::vector<fs::path> old_files = old_buffer_files(path);
   files.commit();
+  remove_files(old_files, json, path.parent_path());
 }
 
 }  // namespace nmc::gltf

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +12,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <mutex>
+#include <set>
 #include <system_error>
 
 #include "base/error.h"
@@ -59,6 +62,26 @@ fs::path behind_links(const fs::path& target) {
   return error ? target : real;
 }
 
+/// The temporary files of this process. The lock is held whenever one of them appears, goes or becomes its target.
+struct Unfinished {
+  std::mutex lock;
+  std::set<fs::path> files;
+};
+
+Unfinished& unfinished() {
+  static Unfinished* const all = new Unfinished;  // never destroyed: an interrupt may come while the process ends
+  return *all;
+}
+
+int create_temporary(const fs::path& path) {
+  const std::lock_guard guard(unfinished().lock);
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  const int failure = errno;
+  if (descriptor >= 0) unfinished().files.insert(path);
+  errno = failure;
+  return descriptor;
+}
+
 void sync_folder(const fs::path& folder) {
   const Descriptor descriptor(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // Some file systems cannot sync a folder; the files themselves are synced and in place by now.
@@ -84,8 +107,13 @@ Bytes read_file(const fs::path& path, std::uint64_t limit) {
 }
 
 FileReplacement::~FileReplacement() {
+  if (pending_.empty()) return;
+  const std::lock_guard guard(unfinished().lock);
   std::error_code ignored;
-  for (const Pending& file : pending_) fs::remove(file.temporary, ignored);
+  for (const Pending& file : pending_) {
+    fs::remove(file.temporary, ignored);
+    unfinished().files.erase(file.temporary);
+  }
 }
 
 void FileReplacement::add(const fs::path& wanted, std::span<const std::uint8_t> bytes) {
@@ -98,7 +126,7 @@ void FileReplacement::add(const fs::path& wanted, std::span<const std::uint8_t> 
   const fs::path temporary =
       target.parent_path() /
       fmt::format(".{}.{}.{}.tmp", target.filename().string().substr(0, 100), ::getpid(), counter++);
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  Descriptor file(create_temporary(temporary));
   if (file.number() < 0) fail(fmt::format("{} cannot be written: {}.", target.string(), reason(errno)));
   pending_.push_back({temporary, target});
   write_all(file.number(), bytes, target);
@@ -112,14 +140,32 @@ void FileReplacement::add(const fs::path& wanted, std::span<const std::uint8_t> 
 }
 
 void FileReplacement::commit() {
+  const std::lock_guard guard(unfinished().lock);
   while (!pending_.empty()) {
     const Pending& file = pending_.front();
     if (::rename(file.temporary.c_str(), file.target.c_str()) != 0) {
       fail(fmt::format("{} cannot be replaced: {}.", file.target.string(), reason(errno)));
     }
+    unfinished().files.erase(file.temporary);
     sync_folder(file.target.parent_path());
     pending_.erase(pending_.begin());
   }
+}
+
+void abandon_replacements() {
+  unfinished().lock.lock();  // for ever
+  std::error_code ignored;
+  for (const fs::path& file : unfinished().files) fs::remove(file, ignored);
+}
+
+FolderLock::FolderLock(const fs::path& folder)
+    : descriptor_(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  while (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 }  // namespace nmc::gltf

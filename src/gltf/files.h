@@ -37,4 +37,22 @@ class FileReplacement {
   std::vector<Pending> pending_;
 };
 
+/// Removes the temporary files of all replacements and lets none begin or commit any more; a commit that has begun is
+/// waited for. For a process that is about to end: whoever writes afterwards waits for ever.
+void abandon_replacements();
+
+/// Keeps other runs that write into the same folder out as long as it lives, where the file system can do that. Files
+/// that belong together are chosen and replaced under it.
+class FolderLock {
+ public:
+  /// Waits for the folder. One that cannot be locked is not.
+  explicit FolderLock(const std::filesystem::path& folder);
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  ~FolderLock();
+
+ private:
+  int descriptor_;
+};
+
 }  // namespace nmc::gltf
