@@ -9,6 +9,7 @@
 #include "cli/command.h"
 #include "cli/files.h"
 #include "cli/progress_line.h"
+#include "cli/report_file.h"
 #include "cli/tolerance.h"
 #include "report/compress_report.h"
 
@@ -28,6 +29,7 @@ struct Arguments {
   bool optional = false;
   bool fallback = false;
   std::vector<std::string> exclude;
+  std::string report;
   bool json = false;
   bool quiet = false;
   bool allow_external = false;
@@ -75,6 +77,7 @@ int run(const Arguments& a) {
   refuse_contradictions(a);
   codec::CompressOptions options = make_options(a);
   check_output(a.output);
+  check_report(a.report, {a.input, a.output});
   const auto start = std::chrono::steady_clock::now();
   const gltf::Document document = gltf::read_document(a.input, {.allow_external = a.allow_external});
   check_excluded(a, document);
@@ -96,6 +99,11 @@ int run(const Arguments& a) {
   context.file_bytes_after = bytes_on_disk(a.output, result.document);
   context.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   context.node_names = node_names(document);
+  if (!a.report.empty()) {
+    write_report(
+        a.report, report::compress_json(result, context),
+        codec::compare(document, result.document, context.file_bytes_before, context.file_bytes_after, a.threads));
+  }
   if (a.json) {
     print(json_text(report::compress_json(result, context)));
   } else if (!a.quiet) {
@@ -168,6 +176,9 @@ Run compress_command(CLI::App& app) {
   app.add_flag("--allow-external", a->allow_external, "let URIs in IN leave its folder (default refused)")
       ->group("File");
 
+  app.add_option("--report", a->report, "write a page for the browser with player, errors and\nnumbers (default none)")
+      ->type_name("FILE.html")
+      ->group("Output");
   app.add_flag("--json", a->json, "the report as JSON on standard output instead of the table")->group("Output");
   app.add_flag("--quiet", a->quiet, "no table and no progress line")->group("Output");
   return [=] {

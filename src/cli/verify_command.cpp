@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "cli/command.h"
 #include "cli/files.h"
+#include "cli/report_file.h"
 #include "cli/tolerance.h"
 #include "report/verify_report.h"
 
@@ -15,11 +16,13 @@ struct Arguments {
   std::string file;
   std::string tolerance = "0.1%";
   bool joints_alone = false;
+  std::string report;
   bool json = false;
   bool allow_external = false;
 };
 
 int run(const Arguments& a) {
+  check_report(a.report, {a.original, a.file});
   const codec::Tolerance tolerance = parse_tolerance(a.tolerance);
   const gltf::ReadOptions read_options{.allow_external = a.allow_external};
   const gltf::Document original = gltf::read_document(a.original, read_options);
@@ -33,6 +36,10 @@ int run(const Arguments& a) {
   context.tolerance = in_world_units(tolerance, result.size);
   context.joints_alone = a.joints_alone;
   context.node_names = node_names(original);
+  if (!a.report.empty()) {
+    write_report(a.report, report::verify_json(result, context),
+                 codec::compare(original, other, bytes_on_disk(a.original, original), bytes_on_disk(a.file, other)));
+  }
   print(a.json ? json_text(report::verify_json(result, context)) : report::verify_text(result, context));
   return report::holds(result, context) ? 0 : static_cast<int>(ErrorCode::tolerance_not_kept);
 }
@@ -54,6 +61,9 @@ Run verify_command(CLI::App& app) {
       ->group("Error bound");
   app.add_flag("--allow-external", a->allow_external, "let URIs leave the files' folders (default refused)")
       ->group("File");
+  app.add_option("--report", a->report, "write a page for the browser with player, errors and\nnumbers (default none)")
+      ->type_name("FILE.html")
+      ->group("Output");
   app.add_flag("--json", a->json, "as JSON instead of a table")->group("Output");
   return [=] { return run(*a); };
 }

@@ -1,9 +1,9 @@
 // Compares the animations of two files.
 #include "base/error.h"
 #include "codec/compress.h"
+#include "codec/matching.h"
 
 namespace nmc::codec {
-namespace {
 
 void check_nodes(const gltf::Document& a, const gltf::Asset& original, const gltf::Document& b,
                  const gltf::Asset& other) {
@@ -17,14 +17,15 @@ void check_nodes(const gltf::Document& a, const gltf::Asset& original, const glt
                                                 "; verify compares a file with what was made from it");
 }
 
-int match(const std::vector<Animation>& original, const std::vector<Animation>& other, std::size_t index) {
-  if (index < other.size() && other[index].name == original[index].name) return static_cast<int>(index);
+std::size_t find_match(const gltf::Document& a, const std::vector<Animation>& original, const gltf::Document& b,
+                       const std::vector<Animation>& other, std::size_t index) {
+  if (index < other.size() && other[index].name == original[index].name) return index;
   for (std::size_t i = 0; i < other.size(); ++i)
-    if (other[i].name == original[index].name) return static_cast<int>(i);
-  return original.size() == other.size() ? static_cast<int>(index) : -1;
+    if (other[i].name == original[index].name) return i;
+  if (original.size() == other.size()) return index;
+  throw Error(ErrorCode::invalid_input,
+              b.name + ": animation \"" + original[index].name + "\" of " + a.name + " is missing");
 }
-
-}  // namespace
 
 Verification verify(const gltf::Document& original, const gltf::Document& other) {
   const gltf::Asset a = gltf::read_asset(original), b = gltf::read_asset(other);
@@ -36,12 +37,9 @@ Verification verify(const gltf::Document& original, const gltf::Document& other)
   Verification result;
   result.size = motion::character_size(skeleton, points);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
-    const int found = match(wanted, got, i);
-    if (found < 0)
-      throw Error(ErrorCode::invalid_input,
-                  other.name + ": animation \"" + wanted[i].name + "\" of " + original.name + " is missing");
+    const std::size_t found = find_match(original, wanted, other, got, i);
     if (wanted[i].curves.empty()) continue;
-    result.clips.push_back({wanted[i].name, meter.report(wanted[i], got[static_cast<std::size_t>(found)])});
+    result.clips.push_back({wanted[i].name, meter.report(wanted[i], got[found])});
   }
   return result;
 }

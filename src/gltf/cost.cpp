@@ -1,6 +1,7 @@
 // What a document's animations cost in bytes, counted as the referee counts (tools/measure.py, payload).
 #include "gltf/cost.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <map>
@@ -199,6 +200,71 @@ void divide(std::size_t amount, const std::set<std::size_t>& users, std::vector<
   }
 }
 
+/// The bytes of accessors and packed views that `value` names anywhere; a mesh or a skin has no other numbers under
+/// these keys.
+class Gathering {
+ public:
+  explicit Gathering(const Document& document) : document_(document) {}
+
+  void add_accessor(const Json& value) {
+    const auto accessor = as_index(value);
+    if (!accessor || !accessors_.insert(*accessor).second) return;
+    bytes_ += accessor_bytes(document_, *accessor);
+    for (const auto view : views_of(object_at(document_, "accessors", *accessor)))
+      if (is_packed(document_, view)) add_view(view);
+  }
+
+  void add_view(std::size_t view) {
+    if (views_.insert(view).second) bytes_ += stored_length(document_, view);
+  }
+
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  const Document& document_;
+  std::set<std::size_t> accessors_, views_;
+  std::size_t bytes_ = 0;
+};
+
+void add_members(const Json* attributes, Gathering& gathering) {
+  if (attributes && attributes->is_object())
+    for (const auto& accessor : *attributes) gathering.add_accessor(accessor);
+}
+
+std::size_t mesh_bytes(const Document& document) {
+  Gathering gathering(document);
+  for (std::size_t m = 0; m < array_size(document.json, "meshes"); ++m) {
+    const Json& mesh = document.json["meshes"][m];
+    for (std::size_t p = 0; p < array_size(mesh, "primitives"); ++p) {
+      const Json& primitive = mesh["primitives"][p];
+      add_members(find_member(primitive, "attributes"), gathering);
+      if (const Json* indices = find_member(primitive, "indices")) gathering.add_accessor(*indices);
+      for (std::size_t t = 0; t < array_size(primitive, "targets"); ++t)
+        add_members(&primitive["targets"][t], gathering);
+      std::set<std::size_t> packed;  // by Draco
+      if (const Json* extensions = find_member(primitive, "extensions")) add_named_views(*extensions, packed);
+      for (const auto view : packed) gathering.add_view(view);
+    }
+  }
+  for (std::size_t i = 0; i < array_size(document.json, "skins"); ++i)
+    if (const Json* matrices = find_member(document.json["skins"][i], "inverseBindMatrices"))
+      gathering.add_accessor(*matrices);
+  return gathering.bytes();
+}
+
+std::size_t image_bytes(const Document& document) {
+  Gathering gathering(document);
+  std::size_t in_uris = 0;
+  for (std::size_t i = 0; i < array_size(document.json, "images"); ++i) {
+    const Json& image = document.json["images"][i];
+    if (const auto view = index_member(image, "bufferView")) gathering.add_view(*view);
+    const Json* uri = find_member(image, "uri");
+    if (uri && uri->is_string() && uri->get_ref<const std::string&>().starts_with("data:"))
+      in_uris += uri->get_ref<const std::string&>().size();
+  }
+  return gathering.bytes() + in_uris;
+}
+
 }  // namespace
 
 AnimationCost total_cost(const Document& document) {
@@ -227,6 +293,19 @@ AnimationCost total_cost(const Document& document) {
   views.insert(streams.begin(), streams.end());
   for (const auto view : views) cost.json_bytes += text_bytes(object_at(document, "bufferViews", view));
   return cost;
+}
+
+ByteParts byte_parts(const Document& document, std::size_t file_bytes) {
+  const AnimationCost animation = total_cost(document);
+  ByteParts parts;
+  for (const ClipSetBytes& set : read_compression(document).clip_sets) parts.networks += set.stream.size();
+  parts.meshes = mesh_bytes(document);
+  parts.images = image_bytes(document);
+  parts.keys = animation.key_bytes - std::min(animation.key_bytes, parts.networks);
+  parts.animation_json = animation.json_bytes;
+  const std::size_t known = parts.meshes + parts.images + parts.keys + parts.animation_json + parts.networks;
+  parts.other = file_bytes - std::min(file_bytes, known);
+  return parts;
 }
 
 std::vector<AnimationCost> animation_costs(const Document& document) {

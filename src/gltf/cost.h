@@ -28,4 +28,18 @@ AnimationCost total_cost(const Document& document);
 /// of the animation list.
 std::vector<AnimationCost> animation_costs(const Document& document);
 
+/// The bytes of a whole file by what they are for.
+struct ByteParts {
+  std::size_t meshes = 0;          ///< vertex attributes, indices, morph targets, inverse bind matrices
+  std::size_t images = 0;          ///< in bufferViews and data URIs
+  std::size_t keys = 0;            ///< as AnimationCost.key_bytes, without the streams
+  std::size_t animation_json = 0;  ///< as AnimationCost.json_bytes
+  std::size_t networks = 0;        ///< the streams of NMC_animation_compression
+  std::size_t other = 0;           ///< what is left of the file: the other JSON, padding, what nothing refers to
+};
+
+/// Divides `file_bytes`, the size of the document's file. Bytes that two parts use count in both; `other` is then
+/// smaller, but never below 0. Throws as total_cost.
+ByteParts byte_parts(const Document& document, std::size_t file_bytes);
+
 }  // namespace nmc::gltf
