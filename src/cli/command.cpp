@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "report/format.h"
 
 namespace nmc::cli {
 namespace {
@@ -36,6 +37,11 @@ CLI::Validator positive_number() {
     return fmt::format("'{}' is no number greater than 0", text);
   };
   return CLI::Validator(check, "");
+}
+
+void print_failure(const std::string& sentence) {
+  const char* stop = sentence.ends_with('.') ? "" : ".";
+  fmt::print(stderr, "gltf-nmc: {}{}\n", report::printable(sentence), stop);
 }
 
 void print(const std::string& text) {

@@ -23,6 +23,9 @@ Run import_command(CLI::App& app);
 CLI::Validator whole_number(int low, int high);
 CLI::Validator positive_number();
 
+/// A failure's sentence on standard error, safe for a terminal.
+void print_failure(const std::string& sentence);
+
 /// Writes to standard output. Throws Error (io) when it cannot be written.
 void print(const std::string& text);
 

@@ -2,22 +2,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <filesystem>
 #include <memory>
+#include <new>
+#include <optional>
 
 #include "base/error.h"
+#include "cli/cache.h"
 #include "cli/command.h"
 #include "cli/files.h"
+#include "cli/outputs.h"
 #include "cli/progress_line.h"
 #include "cli/report_file.h"
 #include "cli/tolerance.h"
+#include "gltf/files.h"
+#include "report/batch_report.h"
 #include "report/compress_report.h"
 
 namespace nmc::cli {
 namespace {
 
 struct Arguments {
-  std::string input;
+  std::vector<std::string> files;
   std::string output;
   std::string profile = "default";
   std::string tolerance = "0.1%";
@@ -33,6 +41,9 @@ struct Arguments {
   bool json = false;
   bool quiet = false;
   bool allow_external = false;
+  std::string cache;
+  bool dry_run = false;
+  std::string settings;  ///< the options that the bytes depend on, as text
   // whether the user named them
   bool has_max_frequencies = false;
   bool has_effort = false;
@@ -65,59 +76,236 @@ codec::CompressOptions make_options(const Arguments& a) {
   return options;
 }
 
-void check_excluded(const Arguments& a, const gltf::Document& document) {
+/// Names of --exclude that the file does not have.
+std::vector<std::string> unknown_excluded(const Arguments& a, const gltf::Document& document) {
   const std::vector<std::string> names = animation_names(document);
-  for (const std::string& name : a.exclude) {
-    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    throw Error(ErrorCode::usage, fmt::format("--exclude: {} has no animation named '{}'.", a.input, name));
+  std::vector<std::string> unknown;
+  for (const std::string& name : a.exclude)
+    if (std::find(names.begin(), names.end(), name) == names.end()) unknown.push_back(name);
+  return unknown;
+}
+
+/// What became of one file, with the table for people.
+struct FileResult {
+  report::BatchFile file;
+  std::string text;
+};
+
+/// One run over one file or many.
+class Compression {
+ public:
+  Compression(const Arguments& a, const Outputs& outputs)
+      : a_(a), many_(!outputs.folder.empty()), options_(make_options(a)) {
+    if (!a.cache.empty()) cache_.emplace(a.cache, a.dry_run);
   }
+
+  /// Throws Error for a file that cannot be read, compressed or written.
+  FileResult run(const FilePair& pair, ProgressLine& line) {
+    FileResult result;
+    result.file.input = pair.input;
+    result.file.output = pair.output;
+    if (!many_ || !a_.dry_run) check_output(pair.output);
+    const auto start = std::chrono::steady_clock::now();
+    const gltf::Bytes bytes = gltf::read_file(pair.input);
+    const std::filesystem::path path(pair.input);
+    const gltf::Document document = gltf::parse_document(bytes, path.filename().string(), path.parent_path(),
+                                                         {.allow_external = a_.allow_external});
+    std::vector<std::string> notes;
+    for (const std::string& name : unknown_excluded(a_, document)) {
+      if (!many_)
+        throw Error(ErrorCode::usage, fmt::format("--exclude: {} has no animation named '{}'.", pair.input, name));
+      notes.push_back(fmt::format("it has no animation named '{}' to exclude", name));
+    }
+
+    const std::string key = cache_ ? Cache::key(a_.settings, bytes, document) : "";
+    CachedResult cached;
+    if (cache_) {
+      const Cache::Found found = cache_->find(key, cached);
+      result.file.cache_damaged = found == Cache::Found::damaged;
+      if (found == Cache::Found::entry) {
+        take(document, std::move(cached), start, result);
+        return result;
+      }
+    }
+    if (a_.dry_run) {
+      result.file.status = report::FileStatus::would_compress;
+      result.file.animations = animation_names(document).size();
+      return result;
+    }
+    compress(document, key, std::move(notes), start, line, result);
+    return result;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  static double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  void take(const gltf::Document& document, CachedResult cached, Clock::time_point start, FileResult& result) const {
+    report::BatchFile& file = result.file;
+    if (a_.dry_run) {
+      file.status = report::FileStatus::would_take_cache;
+      return;
+    }
+    cached.document.name = document.name;
+    cached.document.folder = document.folder;
+    gltf::write_document(cached.document, file.output);
+    write_page(document, cached.document, cached.report);
+    file.status = report::FileStatus::from_cache;
+    file.report = std::move(cached.report);
+    file.report["input"] = file.input;
+    file.report["output"] = file.output;
+    file.report["seconds_spent"] = seconds_since(start);
+    file.report["from_cache"] = true;
+    result.text = report::cached_text(file.report);
+  }
+
+  /// --report
+  void write_page(const gltf::Document& before, const gltf::Document& after,
+                  const nlohmann::ordered_json& report) const {
+    if (a_.report.empty()) return;
+    write_report(a_.report, report,
+                 codec::compare(before, after, report["file_bytes_before"].get<std::size_t>(),
+                                report["file_bytes_after"].get<std::size_t>(), a_.threads));
+  }
+
+  void compress(const gltf::Document& document, const std::string& key, std::vector<std::string> notes,
+                Clock::time_point start, ProgressLine& line, FileResult& outcome) {
+    report::CompressContext context;
+    report::BatchFile& file = outcome.file;
+    context.file_bytes_before = bytes_on_disk(file.input, document);
+    options_.progress = line.callback();
+    codec::CompressResult result = codec::compress(document, options_);
+    gltf::write_document(result.document, file.output);
+    if (result.clips.empty()) result.notes.push_back("the file has no animations; it was written as it is");
+    result.notes.insert(result.notes.end(), notes.begin(), notes.end());
+
+    context.version = version;
+    context.input = file.input;
+    context.output = file.output;
+    context.profile = options_.profile;
+    context.file_bytes_after = bytes_on_disk(file.output, result.document);
+    context.seconds = seconds_since(start);
+    context.node_names = node_names(document);
+    file.status = report::FileStatus::compressed;
+    file.report = report::compress_json(result, context);
+    write_page(document, result.document, file.report);
+    if (cache_) {
+      cache_->store(key, result.document, file.report);
+      file.report["from_cache"] = false;
+    }
+    if (file.cache_damaged) result.notes.push_back("the cache's entry was damaged; it was made again");
+    outcome.text = report::compress_text(result, context);
+  }
+
+  const Arguments& a_;
+  bool many_;
+  codec::CompressOptions options_;
+  std::optional<Cache> cache_;
+};
+
+/// The file's failure in place of its result; the others go on.
+FileResult failed(const FilePair& pair, ErrorCode code, const std::string& sentence) {
+  FileResult result;
+  result.file.input = pair.input;
+  result.file.output = pair.output;
+  result.file.exit_code = static_cast<int>(code);
+  result.file.error = sentence;
+  print_failure(sentence);
+  return result;
+}
+
+int run_many(const Arguments& a, const Outputs& outputs) {
+  const auto start = std::chrono::steady_clock::now();
+  if (!a.dry_run) make_folder(outputs.folder);
+  Compression compression(a, outputs);
+  std::vector<report::BatchFile> files;
+  for (const FilePair& pair : outputs.files) {
+    ProgressLine line(!a.quiet);
+    try {
+      files.push_back(compression.run(pair, line).file);
+    } catch (const Error& error) {
+      files.push_back(failed(pair, error.code(), error.what()).file);
+    } catch (const std::bad_alloc&) {
+      files.push_back(failed(pair, ErrorCode::internal, pair.input + ": there is not enough memory for it.").file);
+    }
+  }
+  const report::BatchContext context{
+      .version = version,
+      .folder = outputs.folder,
+      .dry_run = a.dry_run,
+      .has_cache = !a.cache.empty(),
+      .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
+  if (a.json) {
+    print(json_text(report::batch_json(files, context)));
+  } else if (!a.quiet) {
+    print(report::batch_text(files, context));
+  }
+  return report::worst_exit_code(files);
+}
+
+int run_one(const Arguments& a, const Outputs& outputs) {
+  check_report(a.report, {outputs.files[0].input, outputs.files[0].output});
+  const FileResult result = [&] {
+    Compression compression(a, outputs);
+    ProgressLine line(!a.quiet);
+    return compression.run(outputs.files[0], line);
+  }();
+  if (a.dry_run) {
+    const report::BatchContext context{
+        .version = version, .folder = "", .dry_run = true, .has_cache = !a.cache.empty(), .seconds = 0};
+    if (a.json) {
+      print(json_text(report::batch_json({result.file}, context)));
+    } else if (!a.quiet) {
+      print(report::batch_text({result.file}, context));
+    }
+  } else if (a.json) {
+    print(json_text(result.file.report));
+  } else if (!a.quiet) {
+    print(result.text);
+  }
+  return 0;
 }
 
 int run(const Arguments& a) {
   refuse_contradictions(a);
-  codec::CompressOptions options = make_options(a);
-  check_output(a.output);
-  check_report(a.report, {a.input, a.output});
-  const auto start = std::chrono::steady_clock::now();
-  const gltf::Document document = gltf::read_document(a.input, {.allow_external = a.allow_external});
-  check_excluded(a, document);
+  const Outputs outputs = plan_outputs(a.files, a.output);
+  if (!outputs.folder.empty() && !a.report.empty())
+    throw Error(ErrorCode::usage, "--report is about one file: name one input and the file to write.");
+  return outputs.folder.empty() ? run_one(a, outputs) : run_many(a, outputs);
+}
 
-  report::CompressContext context;
-  context.file_bytes_before = bytes_on_disk(a.input, document);
-  codec::CompressResult result = [&] {
-    ProgressLine line(!a.quiet);
-    options.progress = line.callback();
-    return codec::compress(document, options);
-  }();
-  gltf::write_document(result.document, a.output);
-  if (result.clips.empty()) result.notes.push_back("the file has no animations; it was written as it is");
-
-  context.version = version;
-  context.input = a.input;
-  context.output = a.output;
-  context.profile = options.profile;
-  context.file_bytes_after = bytes_on_disk(a.output, result.document);
-  context.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  context.node_names = node_names(document);
-  if (!a.report.empty()) {
-    write_report(
-        a.report, report::compress_json(result, context),
-        codec::compare(document, result.document, context.file_bytes_before, context.file_bytes_after, a.threads));
+/// The options that were given and that the bytes may depend on, as text for the cache: all but those known not to.
+std::string settings_text(const CLI::App& app) {
+  static constexpr std::array neutral{"--threads", "--json",   "--quiet",          "--verbose", "--cache",  "--output",
+                                      "--dry-run", "--report", "--allow-external", "--help",    "--version"};
+  std::string text;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || option->get_positional()) continue;
+    const std::string name = option->get_name();
+    if (std::find(neutral.begin(), neutral.end(), name) != neutral.end()) continue;
+    text += name + '\n';
+    for (const std::string& value : option->results()) text += fmt::format("  {}:{}\n", value.size(), value);
   }
-  if (a.json) {
-    print(json_text(report::compress_json(result, context)));
-  } else if (!a.quiet) {
-    print(report::compress_text(result, context));
-  }
-  return 0;
+  return text;
 }
 
 }  // namespace
 
 Run compress_command(CLI::App& app) {
   const auto a = std::make_shared<Arguments>();
-  app.add_option("IN", a->input, "the file to compress: .glb or .gltf")->required();
-  app.add_option("OUT", a->output, "the file to write: .glb, or .gltf with a .bin beside it; may be IN")->required();
+  app.add_option("FILE", a->files,
+                 "IN OUT: the file to compress and the file to write, .glb or\n"
+                 ".gltf (with a .bin beside it), OUT may be IN; with -o: one IN\n"
+                 "or more")
+      ->type_name("...");
+  app.add_option("-o,--output", a->output,
+                 "the file to write for one IN, or a folder where every IN gets\n"
+                 "a file of its own name (default OUT)")
+      ->type_name("PATH")
+      ->group("File");
 
   app.add_option("--tolerance", a->tolerance,
                  "largest error that may be seen: a share of the character's\n"
@@ -179,9 +367,18 @@ Run compress_command(CLI::App& app) {
   app.add_option("--report", a->report, "write a page for the browser with player, errors and\nnumbers (default none)")
       ->type_name("FILE.html")
       ->group("Output");
+  app.add_option("--cache", a->cache,
+                 "a folder of earlier results: what was compressed before with\n"
+                 "the same options by this gltf-nmc is taken from there\n"
+                 "(default none)")
+      ->type_name("FOLDER")
+      ->group("Work");
+  app.add_flag("--dry-run", a->dry_run, "say what would be done; write nothing")->group("Work");
+
   app.add_flag("--json", a->json, "the report as JSON on standard output instead of the table")->group("Output");
-  app.add_flag("--quiet", a->quiet, "no table and no progress line")->group("Output");
-  return [=] {
+  app.add_flag("-q,--quiet", a->quiet, "no table and no progress line")->group("Output");
+  return [=, &app] {
+    a->settings = settings_text(app);
     a->has_effort = effort->count() > 0;
     a->has_contact_weight = contact_weight->count() > 0;
     a->has_max_frequencies = frequencies->count() > 0;

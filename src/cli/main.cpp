@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
-#include "report/format.h"
 
 namespace nmc::cli {
 namespace {
@@ -118,8 +117,7 @@ std::string usage_sentence(const CLI::ParseError& error, const CLI::App& app, co
 }
 
 int fail(ErrorCode code, const std::string& sentence) {
-  const char* stop = sentence.ends_with('.') ? "" : ".";
-  fmt::print(stderr, "gltf-nmc: {}{}\n", report::printable(sentence), stop);
+  print_failure(sentence);
   return static_cast<int>(code);
 }
 

@@ -217,6 +217,24 @@ std::string compress_text(const CompressResult& result, const CompressContext& c
   return out;
 }
 
+std::string cached_text(const Json& report) {
+  const Json& totals = report["totals"];
+  const auto bytes = [](const Json& object, const char* key) { return object[key].get<std::size_t>(); };
+  std::string out = fmt::format("{} -> {}: from the cache\n", printable(report["input"].get_ref<const std::string&>()),
+                                printable(report["output"].get_ref<const std::string&>()));
+  out += fmt::format("{} of {} animations compressed, {} -> {} bytes ({}), max error {}\n", bytes(totals, "compressed"),
+                     bytes(totals, "animations"), format_bytes(bytes(totals, "bytes_before")),
+                     format_bytes(bytes(totals, "bytes_after")),
+                     format_ratio(bytes(totals, "bytes_before"), bytes(totals, "bytes_after")),
+                     format_percent(totals["max_fraction_of_size"].get<double>()));
+  out += fmt::format("file: {} -> {} bytes ({})\n", format_bytes(bytes(report, "file_bytes_before")),
+                     format_bytes(bytes(report, "file_bytes_after")),
+                     format_ratio(bytes(report, "file_bytes_before"), bytes(report, "file_bytes_after")));
+  for (const Json& note : report["notes"])
+    out += fmt::format("note: {}\n", printable(note.get_ref<const std::string&>()));
+  return out;
+}
+
 Json compress_json(const CompressResult& result, const CompressContext& context) {
   Json json{{"command", "compress"},
             {"version", context.version},

@@ -25,6 +25,9 @@ struct CompressContext {
 std::string compress_text(const codec::CompressResult& result, const CompressContext& context);
 nlohmann::ordered_json compress_json(const codec::CompressResult& result, const CompressContext& context);
 
+/// The text for a file whose result an earlier run made; `report` is what compress_json gave then.
+std::string cached_text(const nlohmann::ordered_json& report);
+
 /// "default" or "paper", as on the command line.
 const char* profile_name(codec::Profile profile);
 
