@@ -8,6 +8,8 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <new>
 
 #include "base/error.h"
 #include "cli/command.h"

@@ -152,13 +152,13 @@ class Compression {
     cached.document.name = document.name;
     cached.document.folder = document.folder;
     gltf::write_document(cached.document, file.output);
-    write_page(document, cached.document, cached.report);
     file.status = report::FileStatus::from_cache;
     file.report = std::move(cached.report);
     file.report["input"] = file.input;
     file.report["output"] = file.output;
     file.report["seconds_spent"] = seconds_since(start);
     file.report["from_cache"] = true;
+    write_page(document, cached.document, file.report);
     result.text = report::cached_text(file.report);
   }
 

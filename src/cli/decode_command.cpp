@@ -41,7 +41,7 @@ Run decode_command(CLI::App& app) {
   app.add_option("OUT", a->output, "the file to write: .glb, or .gltf with a .bin beside it; may be IN")->required();
   app.add_flag("--allow-external", a->allow_external, "let URIs in IN leave its folder (default refused)")
       ->group("File");
-  app.add_flag("--quiet", a->quiet, "print nothing but errors")->group("Output");
+  app.add_flag("-q,--quiet", a->quiet, "print nothing but errors")->group("Output");
   return [=] { return run(*a); };
 }
 

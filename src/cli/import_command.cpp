@@ -63,7 +63,7 @@ Run import_command(CLI::App& app) {
   app.add_option("--name", a->name, "the animation's name (default the file's name)")
       ->type_name("NAME")
       ->group("Motion");
-  app.add_flag("--quiet", a->quiet, "print nothing but errors")->group("Output");
+  app.add_flag("-q,--quiet", a->quiet, "print nothing but errors")->group("Output");
   return [=] { return run(*a); };
 }
 

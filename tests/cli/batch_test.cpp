@@ -104,6 +104,7 @@ TEST_F(Batch, WhatCannotBeIsRefused) {
   expect_failure({a, file("deeper/a.glb"), "-o", file("out")}, usage, {"deeper/a.glb", "same name"});
   expect_failure({"-o", file("out")}, usage, {"IN"});
   expect_failure({a, file("b.bvh"), "-o", file("out")}, usage, {"b.bvh", ".glb"});
+  expect_failure({a, "-o", file("out"), "--report", file("r.html")}, usage, {"--report", "one file"});
   expect_failure({a, "-o", a + "/out"}, cannot_access, {"out", "folder"});
 }
 
@@ -190,13 +191,22 @@ TEST_F(Batch, ADamagedEntryIsNoticedAndMadeAgain) {
   }
 }
 
+TEST_F(Batch, APageOfACachedResultTellsTheSame) {
+  const std::string a = character("a.glb");
+  report({a, file("b.glb"), "--cache", file("cache"), "--report", file("first.html")});
+  EXPECT_EQ(report({a, file("b.glb"), "--cache", file("cache"), "--report", file("second.html")})["from_cache"], true);
+  // Only the time differs.
+  EXPECT_NEAR(static_cast<double>(read_bytes(file("first.html")).size()),
+              static_cast<double>(read_bytes(file("second.html")).size()), 100);
+}
+
 TEST_F(Batch, ACacheThatIsNoFolderIsRefused) {
   const std::string in = input("in.glb", TinyGlb(5).bytes());
   expect_failure({in, file("out.glb"), "--cache", in}, cannot_access, {"in.glb", "folder"});
 }
 
 TEST_F(Batch, ADryRunWritesNothing) {
-  const std::string a = character("a.glb"), b = character("b.glb");
+  const std::string a = character("a.glb"), b = character("b.glb", 32);
   report({a, "-o", file("out"), "--cache", file("cache")});
   write_text(file("broken.glb"), "no GLB");
   const std::set<std::string> before = all_files();
