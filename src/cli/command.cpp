@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 
 #include "base/error.h"
+#include "cli/terminal.h"
 #include "report/format.h"
 
 namespace nmc::cli {
@@ -30,6 +32,23 @@ CLI::Validator whole_number(int low, int high) {
   return CLI::Validator(check, "");
 }
 
+CLI::Validator number(double low, double high) {
+  const auto check = [=](const std::string& text) -> std::string {
+    double value = 0;
+    if (parse_all(text, value) && value >= low && value <= high) return {};
+    return fmt::format("'{}' is no number from {} to {}", text, low, high);
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  const auto check = [=](const std::string& text) -> std::string {
+    if (std::find(words.begin(), words.end(), text) != words.end()) return {};
+    return fmt::format("'{}' is none of {}", text, fmt::join(words, ", "));
+  };
+  return CLI::Validator(check, "");
+}
+
 CLI::Validator positive_number() {
   const auto check = [](const std::string& text) -> std::string {
     double number = 0;
@@ -41,7 +60,9 @@ CLI::Validator positive_number() {
 
 void print_failure(const std::string& sentence) {
   const char* stop = sentence.ends_with('.') ? "" : ".";
-  fmt::print(stderr, "gltf-nmc: {}{}\n", report::printable(sentence), stop);
+  const bool red = has_colours(stderr);
+  fmt::print(stderr, "{}gltf-nmc:{} {}{}\n", red ? "\033[31m" : "", red ? "\033[0m" : "", report::printable(sentence),
+             stop);
 }
 
 void print(const std::string& text) {

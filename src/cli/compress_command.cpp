@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <numeric>
 #include <optional>
 
 #include "base/error.h"
@@ -16,6 +17,7 @@
 #include "cli/outputs.h"
 #include "cli/progress_line.h"
 #include "cli/report_file.h"
+#include "cli/terminal.h"
 #include "cli/tolerance.h"
 #include "gltf/files.h"
 #include "report/batch_report.h"
@@ -40,6 +42,7 @@ struct Arguments {
   std::string report;
   bool json = false;
   bool quiet = false;
+  bool verbose = false;
   bool allow_external = false;
   std::string cache;
   bool dry_run = false;
@@ -53,6 +56,7 @@ struct Arguments {
 void refuse_contradictions(const Arguments& a) {
   const auto refuse = [](const char* sentence) { throw Error(ErrorCode::usage, sentence); };
   const bool paper = a.profile == "paper";
+  if (a.quiet && a.verbose) refuse("--quiet and --verbose contradict each other: give one of them.");
   if (a.optional && a.fallback) refuse("--optional and --fallback contradict each other: give one of them.");
   if (a.has_max_frequencies && !paper)
     refuse("--max-frequencies belongs to --profile paper: add it, or leave both out.");
@@ -83,6 +87,10 @@ std::vector<std::string> unknown_excluded(const Arguments& a, const gltf::Docume
   for (const std::string& name : a.exclude)
     if (std::find(names.begin(), names.end(), name) == names.end()) unknown.push_back(name);
   return unknown;
+}
+
+Verbosity verbosity(const Arguments& a) {
+  return a.quiet ? Verbosity::quiet : a.verbose ? Verbosity::verbose : Verbosity::normal;
 }
 
 /// What became of one file, with the table for people.
@@ -123,6 +131,7 @@ class Compression {
       const Cache::Found found = cache_->find(key, cached);
       result.file.cache_damaged = found == Cache::Found::damaged;
       if (found == Cache::Found::entry) {
+        line.skip();
         take(document, std::move(cached), start, result);
         return result;
       }
@@ -222,16 +231,23 @@ int run_many(const Arguments& a, const Outputs& outputs) {
   if (!a.dry_run) make_folder(outputs.folder);
   Compression compression(a, outputs);
   std::vector<report::BatchFile> files;
-  for (const FilePair& pair : outputs.files) {
-    ProgressLine line(!a.quiet);
+  std::vector<std::uint64_t> weights;
+  for (const FilePair& pair : outputs.files) weights.push_back(file_bytes(pair.input));
+  ProgressLine line(verbosity(a), std::accumulate(weights.begin(), weights.end(), std::uint64_t{0}));
+  for (std::size_t i = 0; i < outputs.files.size(); ++i) {
+    const FilePair& pair = outputs.files[i];
+    line.begin(fmt::format("{}/{} {}", i + 1, outputs.files.size(), pair.input), weights[i]);
     try {
       files.push_back(compression.run(pair, line).file);
     } catch (const Error& error) {
+      line.skip();
       files.push_back(failed(pair, error.code(), error.what()).file);
     } catch (const std::bad_alloc&) {
+      line.skip();
       files.push_back(failed(pair, ErrorCode::internal, pair.input + ": there is not enough memory for it.").file);
     }
   }
+  line.end();
   const report::BatchContext context{
       .version = version,
       .folder = outputs.folder,
@@ -241,7 +257,7 @@ int run_many(const Arguments& a, const Outputs& outputs) {
   if (a.json) {
     print(json_text(report::batch_json(files, context)));
   } else if (!a.quiet) {
-    print(report::batch_text(files, context));
+    print(coloured(report::batch_text(files, context)));
   }
   return report::worst_exit_code(files);
 }
@@ -250,7 +266,7 @@ int run_one(const Arguments& a, const Outputs& outputs) {
   check_report(a.report, {outputs.files[0].input, outputs.files[0].output});
   const FileResult result = [&] {
     Compression compression(a, outputs);
-    ProgressLine line(!a.quiet);
+    ProgressLine line(verbosity(a));
     return compression.run(outputs.files[0], line);
   }();
   if (a.dry_run) {
@@ -259,12 +275,12 @@ int run_one(const Arguments& a, const Outputs& outputs) {
     if (a.json) {
       print(json_text(report::batch_json({result.file}, context)));
     } else if (!a.quiet) {
-      print(report::batch_text({result.file}, context));
+      print(coloured(report::batch_text({result.file}, context)));
     }
   } else if (a.json) {
     print(json_text(result.file.report));
   } else if (!a.quiet) {
-    print(result.text);
+    print(coloured(result.text));
   }
   return 0;
 }
@@ -322,14 +338,8 @@ Run compress_command(CLI::App& app) {
                  "default: the smallest file that keeps the tolerance on\n"
                  "joints and skin; paper: the published method, the tolerance\n"
                  "on joints alone (default default)")
-      ->type_name("NAME")
-      ->check(CLI::Validator(
-          [](const std::string& name) {
-            return name == "default" || name == "paper"
-                       ? ""
-                       : fmt::format("'{}' is no profile: there are default and paper", name);
-          },
-          ""))
+      ->type_name("default|paper")
+      ->check(one_of({"default", "paper"}))
       ->group("Method");
   CLI::Option* effort =
       app.add_option("--effort", a->effort, "1 (fast) to 9 (smallest file); profile default only (default 5)")
@@ -377,6 +387,8 @@ Run compress_command(CLI::App& app) {
 
   app.add_flag("--json", a->json, "the report as JSON on standard output instead of the table")->group("Output");
   app.add_flag("-q,--quiet", a->quiet, "no table and no progress line")->group("Output");
+  app.add_flag("-v,--verbose", a->verbose, "a plain line on standard error for each animation that is done")
+      ->group("Output");
   return [=, &app] {
     a->settings = settings_text(app);
     a->has_effort = effort->count() > 0;

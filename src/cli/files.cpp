@@ -21,13 +21,6 @@ std::vector<std::string> member_names(const gltf::Json& root, const char* list) 
   return names;
 }
 
-/// 0 where the file cannot be seen: sizes are told, not relied on.
-std::size_t size_or_zero(const fs::path& path) {
-  std::error_code failure;
-  const std::uintmax_t bytes = fs::file_size(path, failure);
-  return failure ? 0 : static_cast<std::size_t>(bytes);
-}
-
 }  // namespace
 
 void check_output(const std::string& path) {
@@ -47,8 +40,14 @@ void check_output(const std::string& path) {
   }
 }
 
+std::size_t file_bytes(const fs::path& path) {
+  std::error_code failure;
+  const std::uintmax_t bytes = fs::file_size(path, failure);
+  return failure ? 0 : static_cast<std::size_t>(bytes);
+}
+
 std::size_t bytes_on_disk(const fs::path& path, const gltf::Document& document) {
-  std::size_t bytes = size_or_zero(path);
+  std::size_t bytes = file_bytes(path);
   const gltf::Json& root = document.json;
   if (!root.is_object() || !root.contains("buffers") || !root["buffers"].is_array()) return bytes;
   for (std::size_t i = 0; i < root["buffers"].size() && i < document.buffers.size(); ++i) {

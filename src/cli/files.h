@@ -17,6 +17,9 @@ void check_output(const std::string& path);
 /// The bytes of a glTF file with the buffers that lie in other files.
 std::size_t bytes_on_disk(const std::filesystem::path& path, const gltf::Document& document);
 
+/// The size of a file, 0 where it cannot be seen.
+std::size_t file_bytes(const std::filesystem::path& path);
+
 /// Names by node index; "" where the file gives none.
 std::vector<std::string> node_names(const gltf::Document& document);
 

@@ -3,6 +3,7 @@
 
 #include "cli/command.h"
 #include "cli/files.h"
+#include "cli/terminal.h"
 #include "report/inspect_report.h"
 
 namespace nmc::cli {
@@ -22,7 +23,7 @@ int run(const Arguments& a) {
   context.file = a.file;
   context.file_bytes = bytes_on_disk(a.file, document);
   context.animation_names = animation_names(document);
-  print(a.json ? json_text(report::inspect_json(sets, context)) : report::inspect_text(sets, context));
+  print(a.json ? json_text(report::inspect_json(sets, context)) : coloured(report::inspect_text(sets, context)));
   return 0;
 }
 

@@ -11,49 +11,35 @@
 #include "base/error.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/reference.h"
 
 namespace nmc::cli {
 namespace {
 
-struct Command {
-  const char* name;
-  const char* description;
-  Run (*add)(CLI::App& app);
-};
-
-constexpr std::array<Command, 5> commands{{
+constexpr std::array<Command, 6> commands{{
     {"compress", "Compresses the animations of a glTF file; the error stays within a tolerance.", compress_command},
     {"decode", "Turns a compressed file back into plain glTF that every viewer plays.", decode_command},
     {"inspect", "Shows what is inside a compressed file and where its bytes went.", inspect_command},
     {"verify", "Measures the error of a file against the original.", verify_command},
     {"import", "Turns motion capture (BVH) into an animated glTF file.", import_command},
+    {"help", "Tells about a command or a topic, such as tolerance or pipeline.", help_command},
 }};
-
-constexpr const char* exit_codes =
-    "Exit codes:\n"
-    "  0  done\n"
-    "  1  the command line makes no sense\n"
-    "  2  a file cannot be read or written\n"
-    "  3  the input breaks its format\n"
-    "  4  the input needs something that is not supported\n"
-    "  5  the tolerance is not kept (verify)\n"
-    "  6  a defect in gltf-nmc, or not enough memory";
 
 std::string footer(bool with_commands) {
   std::string text;
   if (with_commands) {
     text += "Commands (compress where none is named; gltf-nmc COMMAND --help tells more):\n";
     for (const Command& command : commands) text += fmt::format("  {:<10}{}\n", command.name, command.description);
-    text += "A file that is named like a command is written with its folder: ./decode\n\n";
+    text +=
+        "A file that is named like a command is written with its folder: ./decode\n\nTopics (gltf-nmc help TOPIC):\n";
+    for (const Topic& topic : help_topics()) text += fmt::format("  {:<12}{}\n", topic.name, topic.title);
+    text += "\n";
   }
-  return text + exit_codes;
-}
-
-void set_up(CLI::App& app, bool with_commands) {
-  app.set_version_flag("--version", fmt::format("gltf-nmc {}", version), "print the version");
-  app.set_help_flag("-h,--help", "print this text");
-  app.footer(footer(with_commands));
-  app.get_formatter()->column_width(28);
+  for (const Topic& topic : help_topics())
+    if (topic.name == std::string_view("exit-codes"))
+      text += fmt::format("Exit codes:\n{}",
+                          std::string_view(topic.text).substr(0, std::string_view(topic.text).find("\n\n")));
+  return text;
 }
 
 const Command* find_command(std::string_view name) {
@@ -123,10 +109,8 @@ int fail(ErrorCode code, const std::string& sentence) {
 
 int run(const std::vector<std::string>& arguments) {
   const Choice choice = choose(arguments);
-  const bool is_default = choice.command == &commands[0];
-  CLI::App app(choice.command->description, is_default ? "gltf-nmc" : fmt::format("gltf-nmc {}", choice.command->name));
-  set_up(app, is_default);
-  const Run work = choice.command->add(app);
+  CLI::App app;
+  const Run work = make_app(app, *choice.command);
   try {
     app.parse(std::vector<std::string>(choice.arguments.rbegin(), choice.arguments.rend()));
   } catch (const CLI::CallForHelp&) {
@@ -142,6 +126,21 @@ int run(const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
+
+std::span<const Command> all_commands() { return commands; }
+
+Run make_app(CLI::App& app, const Command& command) {
+  const bool is_default = command.name == std::string_view(commands[0].name);
+  app.name(is_default ? "gltf-nmc" : fmt::format("gltf-nmc {}", command.name));
+  app.description(command.description);
+  app.footer(footer(is_default));
+  app.get_formatter()->column_width(28);
+  const Run work = command.add(app);
+  app.set_help_flag("-h,--help", "print this text")->group("Help");
+  app.set_version_flag("--version", fmt::format("gltf-nmc {}", version), "print the version")->group("Help");
+  return work;
+}
+
 }  // namespace nmc::cli
 
 int main(int argc, char** argv) {

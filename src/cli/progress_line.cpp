@@ -48,7 +48,7 @@ ProgressLine::ProgressLine(Verbosity verbosity, std::uint64_t weight_of_all)
   }
 }
 
-ProgressLine::~ProgressLine() {
+void ProgressLine::end() {
   {
     const std::lock_guard lock(mutex_);
     stopped_ = true;
@@ -71,6 +71,7 @@ void ProgressLine::skip() {
   const std::lock_guard lock(mutex_);
   weight_skipped_ += weight_;
   fraction_ = 1;
+  erase();  // what the caller has to say about it stands on a line of its own
 }
 
 Progress ProgressLine::callback() {

@@ -27,14 +27,16 @@ class ProgressLine {
   explicit ProgressLine(bool wanted) : ProgressLine(wanted ? Verbosity::normal : Verbosity::quiet) {}
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
-  /// Removes the line.
-  ~ProgressLine();
+  ~ProgressLine() { end(); }
 
   /// The next part begins; the one before is done. `title` stands before its steps, such as "2/5 fox.glb".
   void begin(const std::string& title, std::uint64_t weight);
 
-  /// The part that has begun took no time (a cache's entry): it counts as done, and not for the time left.
+  /// The part that has begun took no time (a cache's entry, a failure): it counts as done, and not for the time left.
   void skip();
+
+  /// Removes the line for good.
+  void end();
 
   /// The callback that tells the part's progress; empty where nothing is to be told. Valid as long as this object.
   Progress callback();

@@ -5,6 +5,7 @@
 #include "cli/command.h"
 #include "cli/files.h"
 #include "cli/report_file.h"
+#include "cli/terminal.h"
 #include "cli/tolerance.h"
 #include "report/verify_report.h"
 
@@ -40,7 +41,7 @@ int run(const Arguments& a) {
     write_report(a.report, report::verify_json(result, context),
                  codec::compare(original, other, bytes_on_disk(a.original, original), bytes_on_disk(a.file, other)));
   }
-  print(a.json ? json_text(report::verify_json(result, context)) : report::verify_text(result, context));
+  print(a.json ? json_text(report::verify_json(result, context)) : coloured(report::verify_text(result, context)));
   return report::holds(result, context) ? 0 : static_cast<int>(ErrorCode::tolerance_not_kept);
 }
 

@@ -8,6 +8,16 @@ install(EXPORT gltf-nmc-decode-targets NAMESPACE gltfnmc:: DESTINATION ${NMC_PAC
 
 install(TARGETS nmc EXPORT gltf-nmc-targets ARCHIVE COMPONENT nmc LIBRARY COMPONENT nmc)
 install(TARGETS gltf-nmc RUNTIME COMPONENT nmc)
+if(NOT CMAKE_CROSSCOMPILING)
+  set(NMC_REFERENCE ${CMAKE_BINARY_DIR}/reference)
+  install(FILES ${NMC_REFERENCE}/gltf-nmc.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT nmc)
+  install(FILES ${NMC_REFERENCE}/gltf-nmc.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME gltf-nmc COMPONENT nmc)
+  install(FILES ${NMC_REFERENCE}/gltf-nmc.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT nmc)
+  # Debian's zsh looks into the second folder, others into the first.
+  foreach(folder site-functions vendor-completions)
+    install(FILES ${NMC_REFERENCE}/_gltf-nmc DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/${folder} COMPONENT nmc)
+  endforeach()
+endif()
 foreach(room base gltf motion network codec report)
   install(DIRECTORY src/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gltf-nmc COMPONENT nmc FILES_MATCHING PATTERN "*.h")
 endforeach()

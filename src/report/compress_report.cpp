@@ -46,10 +46,6 @@ Totals sum(const std::vector<ClipResult>& clips) {
   return t;
 }
 
-std::string length_with_share(double length, double size) {
-  return fmt::format("{} {}", format_percent(length / size), format_length(length));
-}
-
 std::string remark(const ClipResult& clip) {
   if (clip.outcome == Outcome::compressed) return "";
   return clip.reason.empty() ? "stays" : "stays: " + clip.reason;
@@ -65,14 +61,14 @@ std::vector<std::string> clip_cells(const ClipResult& clip, double size, const C
   if (clip.outcome == Outcome::compressed) {
     const bool paper = context.profile == codec::Profile::paper;
     cells.insert(cells.end(),
-                 {format_ratio(bytes_before(clip), bytes_after(clip)), length_with_share(clip.error.max, size),
-                  paper ? length_with_share(clip.error.max_joint, size) : "", length_with_share(clip.error.mean, size),
-                  node_label(context.node_names, clip.error.max_node), format_seconds(clip.error.max_seconds)});
+                 {format_ratio(bytes_before(clip), bytes_after(clip)), format_percent(clip.error.max / size),
+                  format_length(clip.error.max), paper ? format_percent(clip.error.max_joint / size) : "",
+                  format_percent(clip.error.mean / size), node_label(context.node_names, clip.error.max_node),
+                  format_seconds(clip.error.max_seconds)});
   } else {
-    cells.insert(cells.end(), {"stays", "", "", "", "", ""});
+    cells.insert(cells.end(), {"stays", "", "", "", "", "", ""});
   }
   cells.push_back(format_seconds(clip.seconds));
-  cells.push_back("");
   return cells;
 }
 
@@ -185,28 +181,29 @@ std::string compress_text(const CompressResult& result, const CompressContext& c
                      paper ? ", on joints alone" : "");
   const Totals totals = sum(result.clips);
   const auto worst = [&](double error) {
-    return totals.compressed > 0 ? length_with_share(error, result.size) : std::string();
+    return totals.compressed > 0 ? format_percent(error / result.size) : std::string();
   };
   if (!result.clips.empty()) {
     Table table({{"animation", Align::left},
                  {"frames"},
-                 {"joints"},
-                 {"length"},
+                 {"joints", Align::right, 5},
+                 {"length", Align::right, 3},
                  {"bytes before"},
                  {"after"},
                  {"ratio"},
                  {"max error"},
+                 {"distance", Align::right, 2},
                  {"max joint error"},
-                 {"mean error"},
+                 {"mean error", Align::right, 4},
                  {"worst joint", Align::left},
                  {"at"},
-                 {"spent"},
-                 {""}});
+                 {"spent", Align::right, 1}});
     for (const ClipResult& clip : result.clips) table.add_row(clip_cells(clip, result.size, context));
     table.add_rule();
     table.add_row({"total", std::to_string(totals.frames), "", format_seconds(totals.duration_seconds),
                    format_bytes(totals.before()), format_bytes(totals.after()),
                    format_ratio(totals.before(), totals.after()), worst(totals.max_error),
+                   totals.compressed > 0 ? format_length(totals.max_error) : "",
                    paper ? worst(totals.max_joint_error) : "", "", "", "", format_seconds(context.seconds)});
     out += fmt::format("\n{}\n{}", table.text(), stays_text(result.clips));
   }

@@ -14,10 +14,6 @@ namespace {
 using codec::Verification;
 using codec::VerifiedClip;
 
-std::string with_share(double length, double size) {
-  return fmt::format("{} {}", format_percent(length / size), format_length(length));
-}
-
 }  // namespace
 
 bool holds(const motion::ErrorReport& error, const VerifyContext& context) {
@@ -34,22 +30,23 @@ std::string verify_text(const Verification& result, const VerifyContext& context
   if (!result.clips.empty()) {
     Table table({{"animation", Align::left},
                  {"max error"},
-                 {"max joint error"},
-                 {"mean error"},
-                 {"99%"},
-                 {"rotation"},
-                 {"jitter"},
-                 {"loop seam"},
-                 {"drift"},
+                 {"distance", Align::right, 1},
+                 {"max joint", Align::right, 4},
+                 {"mean error", Align::right, 3},
+                 {"99%", Align::right, 5},
+                 {"rotation", Align::right, 2},
+                 {"jitter", Align::right, 8},
+                 {"loop seam", Align::right, 7},
+                 {"drift", Align::right, 6},
                  {"worst joint", Align::left},
                  {"at"},
                  {"holds", Align::left}});
     for (const VerifiedClip& clip : result.clips) {
       const motion::ErrorReport& e = clip.error;
-      table.add_row({clip.name, with_share(e.max, result.size), with_share(e.max_joint, result.size),
-                     with_share(e.mean, result.size), format_percent(e.percentile_99 / result.size),
-                     fmt::format("{:.3g} deg", e.max_rotation_degrees), format_length(e.jitter),
-                     format_length(e.loop_seam), format_length(e.contact_drift),
+      table.add_row({clip.name, format_percent(e.max / result.size), format_length(e.max),
+                     format_percent(e.max_joint / result.size), format_percent(e.mean / result.size),
+                     format_percent(e.percentile_99 / result.size), fmt::format("{:.3g} deg", e.max_rotation_degrees),
+                     format_length(e.jitter), format_length(e.loop_seam), format_length(e.contact_drift),
                      node_label(context.node_names, e.max_node), format_seconds(e.max_seconds),
                      holds(e, context) ? "yes" : "NO"});
     }

@@ -41,6 +41,9 @@ class RunningProcess {
 
   void signal(int number) const { kill(child_, number); }
 
+  /// To all processes of its group, where it leads one.
+  void signal_group(int number) const { kill(-child_, number); }
+
   bool is_running() {
     if (!ended_ && waitpid(child_, &status_, WNOHANG) == child_) ended_ = true;
     return !ended_;
