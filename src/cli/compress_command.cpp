@@ -351,7 +351,7 @@ Run compress_command(CLI::App& app) {
              "--contact-weight", a->contact_weight,
              "1 to 100: how often the error of points that stand still\ncounts; profile default only (default 3)")
           ->type_name("X")
-          ->check(CLI::Range(1.0, 100.0))
+          ->check(number(1, 100))
           ->group("Method");
   CLI::Option* frequencies = app.add_option("--max-frequencies", a->max_frequencies,
                                             "where Algorithm 1 gives up, 0 to 1000; profile paper only\n(default 40)")

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <new>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,18 @@ constexpr std::array<Command, 6> commands{{
     {"help", "Tells about a command or a topic, such as tolerance or pipeline.", help_command},
 }};
 
+/// The list of the topic exit-codes, indented like the rest of the help.
+std::string exit_codes_table() {
+  std::string table;
+  for (const Topic& topic : help_topics()) {
+    if (topic.name != std::string_view("exit-codes")) continue;
+    std::istringstream lines(topic.text);
+    for (std::string line; std::getline(lines, line) && !line.empty();) table += line.substr(2) + "\n";
+  }
+  table.pop_back();
+  return table;
+}
+
 std::string footer(bool with_commands) {
   std::string text;
   if (with_commands) {
@@ -35,11 +48,7 @@ std::string footer(bool with_commands) {
     for (const Topic& topic : help_topics()) text += fmt::format("  {:<12}{}\n", topic.name, topic.title);
     text += "\n";
   }
-  for (const Topic& topic : help_topics())
-    if (topic.name == std::string_view("exit-codes"))
-      text += fmt::format("Exit codes:\n{}",
-                          std::string_view(topic.text).substr(0, std::string_view(topic.text).find("\n\n")));
-  return text;
+  return text + "Exit codes:\n" + exit_codes_table();
 }
 
 const Command* find_command(std::string_view name) {

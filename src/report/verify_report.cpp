@@ -28,29 +28,26 @@ bool holds(const Verification& result, const VerifyContext& context) {
 std::string verify_text(const Verification& result, const VerifyContext& context) {
   std::string out = fmt::format("{} against {}\n", printable(context.other), printable(context.original));
   if (!result.clips.empty()) {
-    Table table({{"animation", Align::left},
-                 {"max error"},
-                 {"distance", Align::right, 1},
-                 {"max joint", Align::right, 4},
-                 {"mean error", Align::right, 3},
-                 {"99%", Align::right, 5},
-                 {"rotation", Align::right, 2},
-                 {"jitter", Align::right, 8},
-                 {"loop seam", Align::right, 7},
-                 {"drift", Align::right, 6},
-                 {"worst joint", Align::left},
-                 {"at"},
-                 {"holds", Align::left}});
+    Table errors({{"animation", Align::left},
+                  {"max error"},
+                  {"distance", Align::right, 1},
+                  {"max joint", Align::right, 2},
+                  {"mean error", Align::right, 3},
+                  {"99%", Align::right, 4},
+                  {"worst joint", Align::left},
+                  {"at"},
+                  {"holds", Align::left}});
+    Table motion({{"animation", Align::left}, {"rotation"}, {"jitter"}, {"loop seam"}, {"drift"}});
     for (const VerifiedClip& clip : result.clips) {
       const motion::ErrorReport& e = clip.error;
-      table.add_row({clip.name, format_percent(e.max / result.size), format_length(e.max),
-                     format_percent(e.max_joint / result.size), format_percent(e.mean / result.size),
-                     format_percent(e.percentile_99 / result.size), fmt::format("{:.3g} deg", e.max_rotation_degrees),
-                     format_length(e.jitter), format_length(e.loop_seam), format_length(e.contact_drift),
-                     node_label(context.node_names, e.max_node), format_seconds(e.max_seconds),
-                     holds(e, context) ? "yes" : "NO"});
+      const auto percent = [&](double length) { return format_percent(length / result.size); };
+      errors.add_row({clip.name, percent(e.max), format_length(e.max), percent(e.max_joint), percent(e.mean),
+                      percent(e.percentile_99), node_label(context.node_names, e.max_node),
+                      format_seconds(e.max_seconds), holds(e, context) ? "yes" : "NO"});
+      motion.add_row({clip.name, fmt::format("{:.3g} deg", e.max_rotation_degrees), format_length(e.jitter),
+                      format_length(e.loop_seam), format_length(e.contact_drift)});
     }
-    out += fmt::format("\n{}\n", table.text());
+    out += fmt::format("\n{}\n{}\n", errors.text(), motion.text());
   }
   const auto over =
       std::count_if(result.clips.begin(), result.clips.end(), [&](const auto& c) { return !holds(c.error, context); });

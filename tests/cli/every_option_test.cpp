@@ -114,7 +114,7 @@ const std::vector<Row>& rows() {
        ""},
       {"compress", "--quiet", {"IN", "OUT.glb", "-q"}, "", {"IN", "OUT.glb", "--quiet", "-v"}, "--verbose"},
       {"compress", "--verbose", {"IN", "OUT.glb", "--verbose"}, "ratio", {"IN", "OUT.glb", "--verbose=perhaps"}, ""},
-      {"compress", "--help", {"compress", "-h"}, "Usage: gltf-nmc", {"--help=perhaps"}, ""},
+      {"compress", "--help", {"compress", "-h"}, "Usage: gltf-nmc", {"IN", "OUT.glb", "--hepl"}, ""},
       {"compress", "--version", {"--version"}, "gltf-nmc ", {"--version=perhaps"}, ""},
       {"decode",
        "--allow-external",
@@ -200,7 +200,7 @@ const std::vector<Row>& rows() {
        {"help", "--completion", "fish"},
        "complete -c gltf-nmc",
        {"help", "--completion", "cmd"},
-       "bash, zsh, fish"},
+       "bash, zsh and fish"},
   };
   return all;
 }
@@ -251,7 +251,7 @@ class EveryOption : public CommandLine {
     return std::regex_search(line, match, std::regex("--[a-z-]+")) ? match[0].str() : line;
   }
 
-  std::string reference(const std::string& name) const {
+  static std::string reference(const std::string& name) {
     const Bytes bytes = read_bytes(std::string(NMC_BUILD_DIR) + "/reference/" + name);
     return {bytes.begin(), bytes.end()};
   }
@@ -285,11 +285,9 @@ TEST_F(EveryOption, IsUsed) {
     SCOPED_TRACE(row.command + " " + row.option);
     const ProcessResult result = run(arguments(row.use));
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    if (row.option != "--verbose") EXPECT_EQ(result.err, "");
-    if (row.says.empty())
-      EXPECT_EQ(result.out, "");
-    else
-      EXPECT_THAT(result.out, HasSubstr(row.says));
+    EXPECT_EQ(result.err.empty(), row.option != "--verbose") << result.err;
+    EXPECT_EQ(result.out.empty(), row.says.empty()) << result.out;
+    EXPECT_THAT(result.out, HasSubstr(row.says));
     std::filesystem::remove_all(file("DIR"));
   }
 }
