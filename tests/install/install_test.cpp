@@ -92,7 +92,8 @@ TEST_F(Install, APackageForDebianHoldsToolHeaderAndLibrary) {
        "CPACK_INSTALL_CMAKE_PROJECTS=" NMC_BUILD_DIR ";gltf-nmc;decoder;/;" NMC_BUILD_DIR ";gltf-nmc;nmc;/"});
   ASSERT_EQ(packed.exit_code, 0) << packed.out << packed.err;
   const ProcessResult list = shell("dpkg-deb --contents '" + here + "'/gltf-nmc_*.deb");
-  for (const char* file : {"/bin/gltf-nmc", "/nmc_decode.h", "/libnmc.a", "/gltf-nmc-config.cmake", "/nmc_decode.pc"})
+  for (const char* file : {"/bin/gltf-nmc", "/nmc_decode.h", "/libnmc.a", "/gltf-nmc-config.cmake", "/nmc_decode.pc",
+                           "/man1/gltf-nmc.1", "/completions/gltf-nmc", "/_gltf-nmc", "/gltf-nmc.fish"})
     EXPECT_NE(list.out.find(file), std::string::npos) << file << "\n" << list.out;
 }
 

@@ -76,6 +76,7 @@ class Pipeline : public testing::Test {
     ASSERT_GE(done_before_, 3);
     ASSERT_LT(done_before_, 8);
     entries_before_ = entries();
+    ASSERT_GE(entries_before_.size(), 3U);
   }
 
   /// Every file is there and what it should be; each was compressed once. A job that ended in the moment of the
@@ -91,7 +92,6 @@ class Pipeline : public testing::Test {
     EXPECT_LE(ended(), 8 + 2);
     const std::map<std::string, ino_t> all = entries();
     EXPECT_EQ(all.size(), 8U);
-    EXPECT_GE(entries_before_.size(), 3U);
     for (const auto& [name, inode] : entries_before_) EXPECT_EQ(all.at(name), inode) << name;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(out))
       EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
@@ -129,6 +129,26 @@ TEST_F(Pipeline, GnuParallelIsInterruptedAndResumed) {
   EXPECT_EQ(more.exit_code, 0) << more.err;
   EXPECT_THAT(more.out, testing::HasSubstr("9 of 9 files done"));
   EXPECT_TRUE(std::filesystem::exists(file("out/heroes/new.glb")));
+}
+
+/// Two hosts, which a program in the place of ssh makes of this one.
+TEST_F(Pipeline, GnuParallelUsesSeveralHosts) {
+  if (!has("parallel")) GTEST_SKIP() << "needs GNU parallel";
+  write_text(file("ssh"),
+             "#!/bin/sh\nwhile case $1 in -*) true ;; *) false ;; esac; do shift; done\nshift\n"
+             "[ \"$1\" != -- ] || shift\ncd / && exec sh -c \"$*\"\n");
+  std::filesystem::permissions(file("ssh"), std::filesystem::perms::owner_all);
+  write_text(file("hosts"), "1/first\n1/second\n");
+  const ProcessResult result =
+      run_process({"env", "PARALLEL_SSH=" + file("ssh"), "HOSTS=" + file("hosts"), "GLTF_NMC=" + file("tool"),
+                   "CACHE=" + file("cache"), examples + "/with_parallel.sh", file("assets"), file("out")});
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_THAT(result.out, testing::HasSubstr("8 of 8 files done"));
+  expect_complete(file("out"));
+  const Bytes log = read_bytes(file("out/jobs.log"));
+  const std::string text(log.begin(), log.end());
+  EXPECT_THAT(text, testing::HasSubstr("\tfirst\t"));
+  EXPECT_THAT(text, testing::HasSubstr("\tsecond\t"));
 }
 
 TEST_F(Pipeline, GnuParallelTellsFailures) {
