@@ -77,6 +77,7 @@ codec::CompressOptions make_options(const Arguments& a) {
   if (a.optional) options.requirement = gltf::Requirement::optional;
   if (a.fallback) options.requirement = gltf::Requirement::fallback;
   options.exclude = a.exclude;
+  options.record_candidates = !a.report.empty();
   return options;
 }
 
@@ -167,17 +168,19 @@ class Compression {
     file.report["output"] = file.output;
     file.report["seconds_spent"] = seconds_since(start);
     file.report["from_cache"] = true;
-    write_page(document, cached.document, file.report);
+    write_page(document, cached.document, file.report, {});
     result.text = report::cached_text(file.report);
   }
 
-  /// --report
-  void write_page(const gltf::Document& before, const gltf::Document& after,
-                  const nlohmann::ordered_json& report) const {
+  /// --report; `clips` where they have just been made and know what was tried.
+  void write_page(const gltf::Document& before, const gltf::Document& after, const nlohmann::ordered_json& report,
+                  const std::vector<codec::ClipResult>& clips) const {
     if (a_.report.empty()) return;
-    write_report(a_.report, report,
-                 codec::compare(before, after, report["file_bytes_before"].get<std::size_t>(),
-                                report["file_bytes_after"].get<std::size_t>(), a_.threads));
+    codec::Comparison comparison = codec::compare(before, after, report["file_bytes_before"].get<std::size_t>(),
+                                                  report["file_bytes_after"].get<std::size_t>(), a_.threads);
+    for (codec::ComparedClip& clip : comparison.clips)
+      if (!clips.empty()) clip.candidates = clips[static_cast<std::size_t>(clip.animation)].candidates;
+    write_report(a_.report, report, comparison);
   }
 
   void compress(const gltf::Document& document, const std::string& key, std::vector<std::string> notes,
@@ -200,7 +203,7 @@ class Compression {
     context.node_names = node_names(document);
     file.status = report::FileStatus::compressed;
     file.report = report::compress_json(result, context);
-    write_page(document, result.document, file.report);
+    write_page(document, result.document, file.report, result.clips);
     if (cache_) {
       cache_->store(key, result.document, file.report);
       file.report["from_cache"] = false;

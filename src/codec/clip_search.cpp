@@ -80,8 +80,10 @@ struct Trial {
 
 class ClipSearch {
  public:
-  ClipSearch(const SearchContext& context, const PreparedClip& prepared, std::size_t index)
+  ClipSearch(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
+             std::vector<Candidate>* tried)
       : context_(context),
+        tried_(tried),
         prepared_(prepared),
         clip_(context.source.clips[index]),
         threads_(clip_.clip.times.size() < worth_threads ? 1 : context.threads),
@@ -193,6 +195,7 @@ class ClipSearch {
     trial.state = std::move(trained.state);
     LevelClip& levels = trained.levels;
     trial.bytes = bytes_of(levels);
+    record(levels, trial.bytes, false);
     if (trial.bytes >= best_bytes_) return trial;
     // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
     const std::size_t room =
@@ -214,10 +217,17 @@ class ClipSearch {
       if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
     }
     trial.bytes = bytes_of(levels);
+    record(levels, trial.bytes, trial.kept);
     if (!trial.kept || trial.bytes >= best_bytes_) return trial;
     best_bytes_ = trial.bytes;
     best_ = std::move(levels);
     return trial;
+  }
+
+  void record(const LevelClip& levels, std::size_t bytes, bool kept) const {
+    if (!tried_) return;
+    const motion::ErrorProfile profile = error_profile(levels);
+    tried_->push_back({bytes, *std::max_element(profile.max_error.begin(), profile.max_error.end()), kept, false});
   }
 
   /// The median over the samples of the largest error, in units of the tolerance.
@@ -302,6 +312,7 @@ class ClipSearch {
   }
 
   const SearchContext& context_;
+  std::vector<Candidate>* tried_;
   const PreparedClip& prepared_;
   const ClipSource& clip_;
   int threads_;
@@ -332,8 +343,16 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
   return clip;
 }
 
-LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index) {
-  return ClipSearch(context, prepared, index).run();
+LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
+                      std::vector<Candidate>* tried) {
+  LevelClip found = ClipSearch(context, prepared, index, tried).run();
+  if (!tried) return found;
+  const auto smaller = [](const Candidate& a, const Candidate& b) {
+    return a.kept != b.kept ? a.kept : a.bytes < b.bytes;
+  };
+  const auto best = std::min_element(tried->begin(), tried->end(), smaller);
+  if (best != tried->end() && best->kept) best->chosen = true;
+  return found;
 }
 
 }  // namespace nmc::codec

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 #include "codec/clip_layout.h"
 #include "codec/clip_set.h"
+#include "codec/compress.h"
 #include "codec/motion_map.h"
 #include "codec/parts.h"
 #include "codec/source.h"
@@ -40,7 +42,9 @@ struct SearchContext {
 /// stand still counts.
 PreparedClip prepare_clip(const SearchContext& context, std::size_t index, double contact_weight);
 
-/// The smallest levels found. They are within the tolerance by the encoder's own measurement unless nothing is.
-LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index);
+/// The smallest levels found. They are within the tolerance by the encoder's own measurement unless nothing is. `tried`
+/// gets what the search has looked at, before and after corrections; null: nothing is recorded.
+LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
+                      std::vector<Candidate>* tried = nullptr);
 
 }  // namespace nmc::codec

@@ -16,6 +16,9 @@ namespace {
 
 constexpr std::size_t most_traces = 4;
 
+/// A surface with more takes long to load in a page, and to draw without a graphics card.
+constexpr std::size_t most_vertices = 50'000, most_corners = 300'000;
+
 int leading_node(const Points& points, std::size_t point) {
   const auto first = points.influences.begin() + points.first[point];
   const auto last = points.influences.begin() + points.first[point + 1];
@@ -87,6 +90,7 @@ Comparison compare(const gltf::Document& original, const gltf::Document& other, 
   const Points points = gltf::skin_points(original, a, true);
   const motion::ErrorMeter meter(result.skeleton, points);
   result.size = motion::character_size(result.skeleton, points);
+  result.triangles = gltf::read_triangles(original, a, most_vertices, most_corners);
   result.before = gltf::byte_parts(original, bytes_before);
   result.after = gltf::byte_parts(other, bytes_after);
   gltf::CompressedContent content = gltf::read_compression(other);

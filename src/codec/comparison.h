@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "codec/compress.h"
 #include "gltf/cost.h"
 #include "gltf/edit.h"
+#include "gltf/triangles.h"
 #include "motion/error.h"
 #include "motion/skeleton.h"
 
@@ -30,13 +32,15 @@ struct ComparedClip {
   Animation beside;   ///< of these the curves that are core channels there, not decoded ones
   int clip_set = -1;  ///< where the other file has it compressed: its clip set and clip, else -1
   int clip = -1;
-  motion::ErrorProfile profile;   ///< at every key and between
-  std::vector<PointTrace> worst;  ///< the points that are worst at some time, of different nodes, worst first
+  motion::ErrorProfile profile;       ///< at every key and between
+  std::vector<Candidate> candidates;  ///< what the encoder tried, where the caller knows
+  std::vector<PointTrace> worst;      ///< the points that are worst at some time, of different nodes, worst first
 };
 
 struct Comparison {
   motion::Skeleton skeleton;
-  double size = 1;  ///< the character's, in world units
+  double size = 1;                           ///< the character's, in world units
+  std::optional<gltf::Triangles> triangles;  ///< of the original, where they are few enough to be drawn in a page
   gltf::ByteParts before, after;
   std::vector<gltf::ClipSetBytes> clip_sets;  ///< of the other file
   std::vector<ComparedClip> clips;            ///< the animations of the original that have curves

@@ -42,6 +42,7 @@ void judge(const Source& source, const CompressOptions& options, const motion::E
     result.error = meter.report(clip.original, with_kept(clip, decoded.clip(i, nodes)));
     result.frequencies = set.frequencies[i];
     result.seconds = set.seconds[i];
+    result.candidates = set.candidates[i];
     result.keys_after =
         static_cast<std::size_t>(decoded.clip_bits(i) / 8 + shared_bytes / static_cast<double>(set.clips.size()));
     result.outcome = Outcome::compressed;

@@ -38,6 +38,7 @@ struct CompressOptions {
   int threads = 0;                ///< 0: all
   gltf::Requirement requirement = gltf::Requirement::required;
   std::vector<std::string> exclude;  ///< names of animations that stay as they are
+  bool record_candidates = false;    ///< measure and tell what was tried; the bytes stay the same
   Progress progress;
   Parts parts{};  ///< standard profile: what a measurement leaves out
 };
@@ -48,6 +49,14 @@ enum class Outcome {
   kept_over_tolerance,   ///< the profile did not reach the tolerance within its limits
   kept_larger,           ///< it would have become larger than it was
   kept_nothing_to_take,  ///< no channel that the codec takes, or excluded by the user
+};
+
+/// Something that the search for a clip's smallest bytes has tried.
+struct Candidate {
+  std::size_t bytes = 0;  ///< of the clip alone
+  double error = 0;       ///< the largest, world units, at every key and between, over all points
+  bool kept = false;      ///< corrected, and within the tolerance
+  bool chosen = false;
 };
 
 struct ClipResult {
@@ -62,9 +71,10 @@ struct ClipResult {
   std::size_t json_before = 0;  ///< bytes of minified JSON of the animation, its accessors and bufferViews
   std::size_t keys_after = 0;
   std::size_t json_after = 0;
-  int frequencies = 0;        ///< largest number of frequencies that a pose uses
-  motion::ErrorReport error;  ///< of the decoded bytes against the original; zero where the animation is kept
-  double seconds = 0;         ///< time spent on it
+  int frequencies = 0;                ///< largest number of frequencies that a pose uses
+  motion::ErrorReport error;          ///< of the decoded bytes against the original; zero where the animation is kept
+  double seconds = 0;                 ///< time spent on it
+  std::vector<Candidate> candidates;  ///< in the order of the search; where CompressOptions asks for them
 };
 
 struct CompressResult {

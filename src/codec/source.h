@@ -59,8 +59,9 @@ struct EncodedSet {
   std::vector<NodeTarget> targets;
   std::vector<std::uint8_t> stream;
   std::vector<std::size_t> clips;
-  std::vector<int> frequencies;  ///< per clip: the most that one pose uses
-  std::vector<double> seconds;   ///< per clip: time spent
+  std::vector<int> frequencies;                    ///< per clip: the most that one pose uses
+  std::vector<double> seconds;                     ///< per clip: time spent
+  std::vector<std::vector<Candidate>> candidates;  ///< per clip: what was tried, as far as recorded
 };
 
 }  // namespace nmc::codec

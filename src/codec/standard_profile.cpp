@@ -72,11 +72,13 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
       .parts = options.parts};
   std::vector<LevelClip> levels(count);
   seconds_.resize(count);
+  candidates_.resize(count);
   std::mutex lock;
   std::size_t done = 0;
   parallel_for(count, options.threads, [&](std::size_t i) {
     const auto clip_start = std::chrono::steady_clock::now();
-    levels[i] = search_clip(context, prepare_clip(context, clips[i], options.contact_weight), clips[i]);
+    levels[i] = search_clip(context, prepare_clip(context, clips[i], options.contact_weight), clips[i],
+                            options.record_candidates ? &candidates_[i] : nullptr);
     seconds_[i] = seconds_since(clip_start);
     if (!options.progress) return;
     const std::lock_guard guard(lock);
@@ -96,6 +98,7 @@ EncodedSet StandardEncoder::encode(const std::vector<std::size_t>& clips) const 
   for (const std::size_t i : clips) {
     chosen.clips.push_back(set_.clips[place_.at(i)]);
     encoded.seconds.push_back(seconds_[place_.at(i)]);
+    encoded.candidates.push_back(candidates_[place_.at(i)]);
     int most = 0;
     for (const LevelWindow& window : chosen.clips.back().windows)
       for (const LevelWeight& weight : window.weights) most = std::max(most, weight.feature);

@@ -31,6 +31,7 @@ class StandardEncoder {
   ClipSet set_;                               ///< its clips: those trained
   std::map<std::size_t, std::size_t> place_;  ///< of a clip of the source among them
   std::vector<double> seconds_;
+  std::vector<std::vector<Candidate>> candidates_;  ///< as seconds_; empty where nobody asked
 };
 
 }  // namespace nmc::codec

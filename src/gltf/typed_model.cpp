@@ -89,7 +89,7 @@ void Preparation::copy_nodes() {
 
 Json Preparation::copy_attributes(const Json& attributes) {
   Json copy = Json::object();
-  if (contents_ != Contents::meshes) return copy;
+  if (contents_ == Contents::animation) return copy;
   for (const auto& [semantic, accessor] : attributes.items()) {
     if (is_skinning(semantic)) copy[semantic] = need(accessor);
   }
@@ -107,8 +107,12 @@ Json Preparation::copy_primitive(const Json& primitive, const Where& where) {
   Json copy;
   const Json* extensions = find(primitive, "extensions");
   const Json* draco = extensions == nullptr ? nullptr : find(*extensions, "KHR_draco_mesh_compression");
-  if (draco == nullptr || contents_ != Contents::meshes) {
+  if (draco == nullptr || contents_ == Contents::animation) {
     copy["attributes"] = copy_attributes(primitive["attributes"]);
+    if (contents_ == Contents::drawing) {
+      if (const Json* indices = find(primitive, "indices")) copy["indices"] = need(*indices);
+      if (const Json* mode = find(primitive, "mode")) copy["mode"] = *mode;
+    }
   } else {
     Json attributes = primitive["attributes"];
     for (const auto& [semantic, id] : (*draco)["attributes"].items()) attributes.erase(semantic);

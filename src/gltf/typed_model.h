@@ -11,6 +11,7 @@ namespace nmc::gltf {
 enum class Contents {
   animation,  ///< animation inputs and outputs, inverse bind matrices
   meshes,     ///< inverse bind matrices, POSITION, JOINTS_n and WEIGHTS_n of meshes, POSITION of morph targets
+  drawing,    ///< as meshes, and the indices and modes of primitives that Draco has not packed
 };
 
 /// Validates the document and gives it to tinygltf as a prepared copy: only nodes, meshes, skins, animations, accessors

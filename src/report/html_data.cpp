@@ -194,6 +194,25 @@ Json parts_json(const codec::Comparison& comparison) {
   return parts;
 }
 
+Json triangles_json(const gltf::Triangles& triangles) {
+  std::vector<float> positions, inverse_bind;
+  std::vector<std::uint16_t> influences;
+  std::vector<std::uint8_t> weights;
+  Json nodes = Json::array();
+  for (const std::array<float, 3>& p : triangles.positions) positions.insert(positions.end(), p.begin(), p.end());
+  for (const std::array<std::uint16_t, 4>& b : triangles.influences)
+    influences.insert(influences.end(), b.begin(), b.end());
+  for (const std::array<float, 4>& w : triangles.weights)
+    for (const float weight : w) weights.push_back(static_cast<std::uint8_t>(std::lround(weight * 255)));
+  for (const gltf::Bone& bone : triangles.bones) {
+    nodes.push_back(bone.node);
+    for (const double v : bone.inverse_bind) inverse_bind.push_back(static_cast<float>(v));
+  }
+  return {{"nodes", std::move(nodes)},         {"inverseBind", base64_of(inverse_bind)},
+          {"positions", base64_of(positions)}, {"bones", base64_of(influences)},
+          {"weights", base64_of(weights)},     {"indices", base64_of(triangles.indices)}};
+}
+
 constexpr const char* path_names[] = {"translation", "rotation", "scale", "weights"};
 
 }  // namespace
@@ -203,6 +222,7 @@ Json html_data(const Json& report, const codec::Comparison& comparison) {
             {"parts", parts_json(comparison)},
             {"size", comparison.size},
             {"skeleton", skeleton_json(comparison.skeleton)}};
+  data["skin"] = comparison.triangles ? triangles_json(*comparison.triangles) : Json(nullptr);
   data["sets"] = Json::array();
   for (const gltf::ClipSetBytes& set : comparison.clip_sets) {
     Json targets = Json::array();
@@ -219,6 +239,10 @@ Json html_data(const Json& report, const codec::Comparison& comparison) {
     made["clip"] = clip.clip;
     // What is compressed the page decodes itself.
     made["other"] = keys.pack(comparison.skeleton, clip.beside);
+    made["candidates"] = Json::array();
+    for (const codec::Candidate& tried : clip.candidates)
+      made["candidates"].push_back(
+          {{"bytes", tried.bytes}, {"error", finite(tried.error)}, {"kept", tried.kept}, {"chosen", tried.chosen}});
     made["profile"] = profile_json(clip, comparison.skeleton.names);
     data["clips"].push_back(std::move(made));
   }

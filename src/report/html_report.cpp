@@ -13,9 +13,9 @@ namespace {
 
 /// The modules that the page imports; each names the others as "./name".
 constexpr std::string_view modules[] = {
-    "bars.js",        "charts.js",    "data.js",       "format.js",      "main.js",    "math.js",
-    "motion.js",      "player.js",    "scene.js",      "spectrum.js",    "table.js",   "nmc/decisions.js",
-    "nmc/decoder.js", "nmc/error.js", "nmc/header.js", "nmc/payload.js", "nmc/pose.js"};
+    "bars.js",          "charts.js",      "data.js",      "format.js",     "main.js",        "math.js",
+    "motion.js",        "player.js",      "scene.js",     "skin.js",       "spectrum.js",    "table.js",
+    "nmc/decisions.js", "nmc/decoder.js", "nmc/error.js", "nmc/header.js", "nmc/payload.js", "nmc/pose.js"};
 
 void replace_all(std::string& text, std::string_view what, std::string_view by) {
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))

@@ -2,6 +2,7 @@
 import { length, percent } from './format.js';
 import { Motions, Pose } from './motion.js';
 import { Scene } from './scene.js';
+import { Skin } from './skin.js';
 
 const find = (id) => document.getElementById(id);
 
@@ -16,6 +17,11 @@ export class Player {
     this.other = new Pose(data.skeleton);
     this.shown = shownNodes(data);
     this.scene = new Scene(find('canvas'), data.skeleton, this.shown);
+    this.skin = Skin.make(find('skin-canvas'), data.skin);
+    if (!this.skin) {
+      find('show').value = 'skeleton';
+      find('show').closest('label').hidden = true;
+    }
     this.positions = new Float64Array(3 * this.shown.length);
     this.others = new Float64Array(3 * this.shown.length);
     this.errors = new Float64Array(this.shown.length);
@@ -133,13 +139,22 @@ export class Player {
     find('stage').classList.toggle('over', !side);
     find('tag-left').textContent = this.hasOriginal ? 'original' : '';
     const { width, height } = scene.canvas;
+    const show = find('show').value;
+    const withSkin = this.skin !== null && show !== 'skeleton';
     const views = side ? [[0, 0, width / 2, height], [width / 2, 0, width / 2, height]] : [[0, 0, width, height]];
     scene.clear();
+    find('skin-canvas').hidden = !withSkin;
+    if (withSkin) this.skin.begin(this.original, this.other, scene.canvas, this.tolerance, scene.colours);
     views.forEach((view, i) => {
       const matrix = scene.camera(box, view[2] / view[3]);
       scene.inView(view, () => {
-        scene.floor(matrix, view, box.center, this.floor, this.cell);
+        if (!withSkin) scene.floor(matrix, view, box.center, this.floor, this.cell);
         const plain = side && i === 0;
+        if (withSkin) {
+          this.skin.draw(matrix, view, { gain: plain ? 0 : this.gain, coloured: !plain && this.hasOriginal });
+          if (!side && this.gain > 1) this.skin.draw(matrix, view, { gain: 0, coloured: false, opacity: 0.35 });
+        }
+        if (show === 'skin' && withSkin) return;
         if (plain || (!side && this.hasOriginal)) scene.skeletonOf(matrix, view, this.positions, null, plain ? scene.colours.bone : scene.colours.ghost, plain ? 1 : 0.6);
         if (!plain) scene.skeletonOf(matrix, view, this.others, this.hasOriginal ? this.errors : null, scene.colours.bone);
       });

@@ -2,7 +2,7 @@
 import { viewProjection } from './math.js';
 
 const FIELD = 0.6;
-const COLOURS = ['--stage', '--grid', '--bone', '--ghost', '--soft', '--cold', '--warm', '--hot', '--over'];
+const COLOURS = ['--stage', '--grid', '--bone', '--ghost', '--soft', '--skin', '--cold', '--warm', '--hot', '--over'];
 
 /** Where points are, and how far they are apart, for a colour from 0 to 1 of the tolerance and above. */
 export class Scene {
