@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the tool, makes sample characters, compresses one, decodes it again, and checks that the error bound was kept.
+# Builds the tool, makes sample characters, compresses one with a report for the browser, decodes it again, and checks that the error bound was kept.
 set -euo pipefail
 source "$(dirname "$0")/setup.sh"
 
@@ -15,7 +15,7 @@ original=$samples/humanoid_30hz.glb
 compressed=$samples/humanoid_30hz.nmc.glb
 decoded=$samples/humanoid_30hz.decoded.glb
 nmc_say "compressing humanoid_30hz.glb"
-"$tool" "$original" "$compressed"
+"$tool" "$original" "$compressed" --report "$samples/report.html"
 nmc_say "decoding it again"
 "$tool" decode "$compressed" "$decoded"
 nmc_say "verifying: original against decoded"
@@ -25,3 +25,5 @@ nmc_say "sizes in bytes"
 for file in "$original" "$compressed" "$decoded"; do
   printf '%10d  %s\n' "$(stat -c %s "$file")" "${file#"$nmc_root/"}"
 done
+
+nmc_say "the report: open ${samples#"$nmc_root/"}/report.html in a browser"

@@ -229,8 +229,26 @@ for (const [name, file, tolerance] of [['fox', 'game/fox.glb', '0.1%'], ['knight
     const { page, complaints } = await open(compress.page);
     await page.click('#play');
     await page.waitForFunction(() => window.nmcReport.player.frames.length >= 60, null, { timeout: 60000 });
-    const frames = await page.evaluate(() => [...window.nmcReport.player.frames].sort((a, b) => a - b));
-    t.diagnostic(`${name}: a frame takes ${frames[frames.length >> 1].toFixed(2)} ms (median), 95 % ${frames[Math.floor(frames.length * 0.95)].toFixed(2)} ms`);
+    const [frames, intervals] = await page.evaluate(() => ['frames', 'intervals'].map((key) => [...window.nmcReport.player[key]].sort((a, b) => a - b)));
+    const middle = (values) => values[values.length >> 1].toFixed(1);
+    t.diagnostic(`${name}: a frame is ready after ${middle(frames)} ms and ${middle(intervals)} ms after the one before (medians)`);
+    // The skin is drawn: what is behind the skeleton has many colours.
+    const colours = await page.evaluate(() => {
+      const canvas = document.getElementById('skin-canvas');
+      const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
+      copy.drawImage(canvas, 0, 0);
+      return new Set(new Uint32Array(copy.getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
+    });
+    assert.ok(colours > 500, `${colours} colours`);
+    // What was tried is there, and the smallest of what keeps the bound was taken.
+    const tried = await page.evaluate(() => window.nmcReport.data.clips.map(({ candidates }) => candidates));
+    for (const candidates of tried) {
+      const kept = candidates.filter((one) => one.kept);
+      const chosen = candidates.filter((one) => one.chosen);
+      assert.equal(chosen.length, 1);
+      assert.equal(chosen[0].bytes, Math.min(...kept.map(({ bytes }) => bytes)));
+      for (const { error } of kept) assert.ok(error <= compress.json.tolerance_world_units);
+    }
     await page.screenshot({ path: join(folder, `${name}.png`), fullPage: true });
     assert.equal(await page.evaluate(() => window.nmcReport.data.clips.length), compress.json.animations.length);
     assert.deepEqual(complaints, []);

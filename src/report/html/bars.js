@@ -1,7 +1,8 @@
 // The file before and after: two bars on one scale, and the same as a table.
-import { bytes, ratio } from './format.js';
+import { bytes } from './format.js';
 
 const COLOURS = { meshes: 'meshes', images: 'images', keys: 'keys', 'animation JSON': 'json', networks: 'networks', other: 'other' };
+export const ANIMATION = ['keys', 'animation JSON', 'networks'];
 
 function element(tag, text, attributes = {}) {
   const made = document.createElement(tag);
@@ -29,15 +30,14 @@ export function drawBars(container, parts) {
   const table = element('table', null, { class: 'parts' });
   const head = element('thead', null);
   const titles = element('tr', null);
-  for (const title of ['bytes of', 'before', 'after', '']) titles.append(element('th', title, { scope: 'col' }));
+  for (const title of ['bytes of', 'before', 'after']) titles.append(element('th', title, { scope: 'col' }));
   head.append(titles);
   const body = element('tbody', null);
   for (const part of parts.filter(({ before, after }) => before + after > 0)) {
     const row = element('tr', null, { 'data-part': part.name });
     const name = element('th', null, { scope: 'row' });
     name.append(element('span', null, { class: 'swatch', style: `background: var(--${COLOURS[part.name]})` }), part.name);
-    const change = part.name === 'networks' || part.before === part.after ? '' : ratio(part.before, part.after);
-    row.append(name, element('td', bytes(part.before)), element('td', bytes(part.after)), element('td', change));
+    row.append(name, element('td', bytes(part.before)), element('td', bytes(part.after)));
     body.append(row);
   }
   table.append(head, body);

@@ -62,7 +62,7 @@ export class Chart {
     const total = this.container.clientWidth;
     if (!this.content || total === 0) return;
     const { x, y, lines = [], bars = [], dots = [], bounds = [] } = this.content;
-    const place = { left: 52, top: 8, width: total - 52 - 12, height: this.height - 8 - 34 };
+    const place = { left: 46, top: 22, width: total - 46 - 12, height: this.height - 22 - 36 };
     this.place = place;
     const toX = (v) => place.left + ((v - x[0]) / (x[1] - x[0] || 1)) * place.width;
     const toY = (v) => place.top + (1 - (v - y[0]) / (y[1] - y[0] || 1)) * place.height;
@@ -77,7 +77,7 @@ export class Chart {
       root.append(svg('text', { x: toX(v), y: bottom + 17, 'text-anchor': 'middle' }, String(v)));
     }
     root.append(svg('text', { x: place.left + place.width, y: bottom + 31, 'text-anchor': 'end' }, this.content.xUnit));
-    root.append(svg('text', { x: place.left - 8, y: bottom + 31, 'text-anchor': 'start' }, this.content.yUnit));
+    root.append(svg('text', { x: 0, y: 11, 'text-anchor': 'start' }, this.content.yUnit));
     for (const { x: bx, y: by, width = 3, colour = 'var(--accent)', title } of bars) {
       const bar = svg('rect', { x: toX(bx) - width / 2, width, y: toY(by), height: Math.max(0, bottom - toY(by)), fill: colour });
       if (title) bar.append(svg('title', {}, title));

@@ -1,5 +1,5 @@
 // The page: fills the parts from the data and connects them.
-import { drawBars } from './bars.js';
+import { ANIMATION, drawBars } from './bars.js';
 import { Chart, keysOfLines } from './charts.js';
 import { readData } from './data.js';
 import { bytes, length, number, percent, ratio, size } from './format.js';
@@ -42,7 +42,7 @@ function fillHead() {
   const sum = (which) => data.parts.reduce((total, part) => total + part[which], 0);
   const before = report.file_bytes_before ?? sum('before');
   const after = report.file_bytes_after ?? sum('after');
-  const animations = (which) => data.parts.filter(({ name }) => ['keys', 'animation JSON', 'networks'].includes(name)).reduce((total, part) => total + part[which], 0);
+  const animations = (which) => data.parts.filter(({ name }) => ANIMATION.includes(name)).reduce((total, part) => total + part[which], 0);
   const [animationBefore, animationAfter] = report.totals
     ? [report.totals.bytes_before, report.totals.bytes_after]
     : [animations('before'), animations('after')];
@@ -198,7 +198,7 @@ function drawCandidates(clip) {
   const colourOf = ({ chosen, kept }) => (chosen ? 'var(--accent)' : kept ? 'var(--keys)' : 'var(--ghost)');
   charts.candidates.set({
     x: [0, mostError * 1.05],
-    y: [0, mostBytes * 1.1],
+    y: [Math.min(...shown.map((c) => c.bytes)) * 0.9, mostBytes * 1.05],
     xUnit: 'largest error, % of size',
     yUnit: 'bytes',
     label: `${shown.length} candidates by bytes and error; the smallest within the tolerance was taken.`,

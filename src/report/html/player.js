@@ -16,7 +16,7 @@ export class Player {
     this.original = new Pose(data.skeleton);
     this.other = new Pose(data.skeleton);
     this.shown = shownNodes(data);
-    this.scene = new Scene(find('canvas'), data.skeleton, this.shown);
+    this.scene = new Scene(find('canvas'), find('floor-canvas'), data.skeleton, this.shown);
     this.skin = Skin.make(find('skin-canvas'), data.skin);
     if (!this.skin) {
       find('show').value = 'skeleton';
@@ -30,8 +30,9 @@ export class Player {
     this.time = 0;
     this.speed = 1;
     this.gain = 1;
-    /** Milliseconds that the last frames took to be made ready. */
+    /** Milliseconds that the last frames took to be made ready, and that lay between them while playing. */
     this.frames = [];
+    this.intervals = [];
     find('legend-end').textContent = `tolerance ${percent(this.tolerance / data.size)} = ${length(this.tolerance)}`;
     this.#listen();
     new ResizeObserver(() => this.draw()).observe(find('stage'));
@@ -83,6 +84,8 @@ export class Player {
     const step = (now) => {
       if (!this.playing) return;
       const span = this.end - this.start;
+      this.intervals.push(now - last);
+      if (this.intervals.length > 240) this.intervals.shift();
       let next = this.time + ((now - last) / 1000) * this.speed;
       last = now;
       if (next > this.end) next = span > 0 ? this.start + ((next - this.start) % span) : this.start;
@@ -102,14 +105,18 @@ export class Player {
     for (let k = 0; k <= samples; ++k) {
       pose.update(this.start + ((this.end - this.start) * k) / samples);
       const center = this.#centerOf(pose);
+      const include = (x, y, z) => {
+        low = Math.min(low, y);
+        high = Math.max(high, y);
+        radius = Math.max(radius, Math.hypot(x - center[0], z - center[2]));
+      };
+      if (k % 6 === 0) this.skin?.eachPlace(pose, include);
       for (const node of this.shown) {
         const at = 16 * node + 12;
-        low = Math.min(low, pose.world[at + 1]);
-        high = Math.max(high, pose.world[at + 1]);
-        radius = Math.max(radius, Math.hypot(pose.world[at] - center[0], pose.world[at + 2] - center[2]));
+        include(pose.world[at], pose.world[at + 1], pose.world[at + 2]);
       }
     }
-    this.box = { height: (low + high) / 2, radius: Math.max(Math.hypot(radius, (high - low) / 2), this.data.size * 0.1) };
+    this.box = { height: (low + high) / 2, radius: Math.max(radius, this.data.size * 0.1), half: Math.max((high - low) / 2, this.data.size * 0.1) };
     const cell = 10 ** Math.floor(Math.log10(this.data.size));
     this.cell = this.data.size / cell > 4 ? 2 * cell : this.data.size / cell > 2 ? cell : cell / 2;
     pose.update(this.start);
@@ -134,7 +141,7 @@ export class Player {
     this.#measure();
     const following = this.#centerOf(this.original);
     const center = find('follow').checked ? following : this.startCenter;
-    const box = { center: [center[0], this.box.height, center[2]], radius: this.box.radius };
+    const box = { center: [center[0], this.box.height, center[2]], radius: this.box.radius, half: this.box.half };
     const side = find('layout').value === 'side' && this.hasOriginal;
     find('stage').classList.toggle('over', !side);
     find('tag-left').textContent = this.hasOriginal ? 'original' : '';
@@ -148,7 +155,7 @@ export class Player {
     views.forEach((view, i) => {
       const matrix = scene.camera(box, view[2] / view[3]);
       scene.inView(view, () => {
-        if (!withSkin) scene.floor(matrix, view, box.center, this.floor, this.cell);
+        scene.floor(matrix, view, box.center, this.floor, this.cell);
         const plain = side && i === 0;
         if (withSkin) {
           this.skin.draw(matrix, view, { gain: plain ? 0 : this.gain, coloured: !plain && this.hasOriginal });

@@ -6,8 +6,11 @@ const COLOURS = ['--stage', '--grid', '--bone', '--ghost', '--soft', '--skin', '
 
 /** Where points are, and how far they are apart, for a colour from 0 to 1 of the tolerance and above. */
 export class Scene {
-  constructor(canvas, skeleton, shown) {
+  /** The floor has a canvas of its own, below everything. */
+  constructor(canvas, floorCanvas, skeleton, shown) {
     this.canvas = canvas;
+    this.floorCanvas = floorCanvas;
+    this.floorContext = floorCanvas.getContext('2d');
     this.context = canvas.getContext('2d');
     this.skeleton = skeleton;
     this.shown = shown;
@@ -57,40 +60,43 @@ export class Scene {
     const scale = Math.min(window.devicePixelRatio || 1, 2);
     const width = Math.max(1, Math.round(this.canvas.clientWidth * scale));
     const height = Math.max(1, Math.round(this.canvas.clientHeight * scale));
-    if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
+    for (const one of [this.canvas, this.floorCanvas]) if (one.width !== width || one.height !== height) Object.assign(one, { width, height });
     this.scale = scale;
   }
 
-  /** What the camera sees of a view of this shape; `box` is {center, radius} of what is to fill it. */
+  /** What the camera sees of a view of this shape; `box` is {center, radius, half} of what is to fill it: half its width and half its height. */
   camera(box, aspect) {
-    const distance = (box.radius / Math.sin(FIELD / 2) / Math.min(1, aspect) / this.zoom) * 1.02;
+    const slope = Math.tan(FIELD / 2) / 1.12;
+    const distance = (Math.max(box.half / slope, box.radius / (slope * aspect)) + box.radius) / this.zoom;
     const { yaw, pitch } = this;
     const eye = [
       box.center[0] + distance * Math.cos(pitch) * Math.sin(yaw),
       box.center[1] + distance * Math.sin(pitch),
       box.center[2] + distance * Math.cos(pitch) * Math.cos(yaw),
     ];
-    return viewProjection(eye, box.center, FIELD, aspect, distance / 100, distance * 4 + box.radius * 20);
+    return viewProjection(eye, box.center, FIELD, aspect, distance / 100, distance * 4 + (box.radius + box.half) * 20);
   }
 
   clear() {
-    this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    for (const context of [this.context, this.floorContext]) context.clearRect(0, 0, this.canvas.width, this.canvas.height);
   }
 
   /** Calls `draw` with everything clipped to a view [x, y, width, height] in pixels. */
   inView(view, draw) {
-    const { context } = this;
-    context.save();
-    context.beginPath();
-    context.rect(...view);
-    context.clip();
+    const contexts = [this.context, this.floorContext];
+    for (const context of contexts) {
+      context.save();
+      context.beginPath();
+      context.rect(...view);
+      context.clip();
+    }
     draw();
-    context.restore();
+    for (const context of contexts) context.restore();
   }
 
   /** A grid on the floor around a place. */
   floor(matrix, view, center, height, cell) {
-    const { context } = this;
+    const context = this.floorContext;
     const reach = 8;
     const x0 = Math.round(center[0] / cell) * cell;
     const z0 = Math.round(center[2] / cell) * cell;
@@ -115,8 +121,8 @@ export class Scene {
       const u = (near - one[3]) / (other[3] - one[3]);
       for (let c = 0; c < 4; ++c) one[c] += (other[c] - one[c]) * u;
     }
-    this.context.moveTo(...toView(p, view));
-    this.context.lineTo(...toView(q, view));
+    this.floorContext.moveTo(...toView(p, view));
+    this.floorContext.lineTo(...toView(q, view));
   }
 
   /**

@@ -72,8 +72,13 @@ export class Skin {
     this.program = this.#program();
     gl.useProgram(this.program);
     this.places = new Proxy({}, { get: (known, name) => (known[name] ??= gl.getUniformLocation(this.program, name)) });
-    this.#attribute('position', unpack(positions, Float32Array), 3, gl.FLOAT);
-    this.#attribute('bones', unpack(bones, Uint16Array), 4, gl.UNSIGNED_SHORT);
+    const corner = unpack(positions, Float32Array);
+    const influences = unpack(bones, Uint16Array);
+    this.#attribute('position', corner, 3, gl.FLOAT);
+    this.#attribute('bones', influences, 4, gl.UNSIGNED_SHORT);
+    const every = Math.ceil(corner.length / 3 / 300);
+    this.sampled = [];
+    for (let v = 0; 3 * v < corner.length; v += every) this.sampled.push([influences[4 * v], corner[3 * v], corner[3 * v + 1], corner[3 * v + 2]]);
     this.#attribute('weights', unpack(weights, Uint8Array), 4, gl.UNSIGNED_BYTE, true);
     const corners = unpack(indices, Uint32Array);
     this.count = corners.length;
@@ -110,6 +115,15 @@ export class Skin {
     gl.enableVertexAttribArray(place);
     if (type === gl.UNSIGNED_SHORT) gl.vertexAttribIPointer(place, size, type, 0, 0);
     else gl.vertexAttribPointer(place, size, type, Boolean(normalized), 0, 0);
+  }
+
+  /** Calls `take(x, y, z)` for some places on the surface, each as its first bone moves it: enough to know how large the character is. */
+  eachPlace({ world }, take) {
+    const matrix = new Float32Array(16);
+    for (const [bone, x, y, z] of this.sampled) {
+      multiply(world, 16 * this.nodes[bone], this.inverseBind, 16 * bone, matrix, 0);
+      take(...[0, 1, 2].map((r) => matrix[r] * x + matrix[4 + r] * y + matrix[8 + r] * z + matrix[12 + r]));
+    }
   }
 
   /** Takes the poses, and clears the picture. */

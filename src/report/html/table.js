@@ -5,7 +5,7 @@ const errorOf = (row) => row.error;
 
 /** Per column: title, its number or text, and how to write it. */
 function columnsOf(report) {
-  const share = (value) => `${percent(value / report.size_world_units)} ${length(value)}`;
+  const share = (value) => `${percent(value / report.size_world_units)} · ${length(value)}`;
   const stays = (row) => row.outcome !== undefined && row.outcome !== 'compressed';
   const error = (title, key, write = share) => ({
     title,
@@ -112,7 +112,7 @@ export class ClipTable {
       'bytes before': bytes(totals.bytes_before),
       after: bytes(totals.bytes_after),
       ratio: ratio(totals.bytes_before, totals.bytes_after),
-      'max error': totals.compressed > 0 ? `${percent(totals.max_world_units / size)} ${length(totals.max_world_units)}` : '',
+      'max error': totals.compressed > 0 ? `${percent(totals.max_world_units / size)} · ${length(totals.max_world_units)}` : '',
     };
     const row = this.table.createTFoot().insertRow();
     this.columns.forEach(({ title, text }, i) => {
