@@ -49,12 +49,13 @@ std::vector<CommandInfo> describe_commands() {
 }
 
 std::string short_text(const OptionInfo& option) {
+  constexpr std::size_t shortest = 12;  // "1 (fast) to 9" says something, "1" does not
   const std::string& text = option.text;
   std::size_t end = text.size();
   for (std::size_t i = 0; i < end; ++i) {
     const bool stops = text[i] == '(' || text[i] == ';' ||
                        ((text[i] == ':' || text[i] == '.') && (i + 1 == text.size() || text[i + 1] == ' '));
-    if (stops && i > 0) end = i;
+    if (stops && i >= shortest) end = i;
   }
   std::string shortened = text.substr(0, end);
   shortened.erase(shortened.find_last_not_of(' ') + 1);

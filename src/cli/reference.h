@@ -33,7 +33,8 @@ std::vector<CommandInfo> describe_commands();
 /// What `gltf-nmc help TOPIC` tells besides the commands.
 const std::vector<Topic>& help_topics();
 
-/// The part of an option's text that says what it does: up to the first of . ; : and parentheses.
+/// The part of an option's text that says what it does: up to the first of . ; : and parentheses, unless that is a
+/// word or two.
 std::string short_text(const OptionInfo& option);
 
 /// The page for man(1), in man(7) macros.

@@ -426,6 +426,7 @@ TEST_F(Completion, Fish) {
   };
   EXPECT_THAT(offers("gltf-nmc --tol"), testing::StartsWith("--tolerance\t"));
   EXPECT_THAT(offers("gltf-nmc --profile "), HasSubstr("paper"));
+  EXPECT_THAT(offers("gltf-nmc --eff"), HasSubstr("--effort\t1 (fast) to 9\n"));
   EXPECT_THAT(offers("gltf-nmc verify --jo"), HasSubstr("--joints"));
   EXPECT_THAT(offers("gltf-nmc decode --tol"), Not(HasSubstr("--tolerance")));
   EXPECT_THAT(offers("gltf-nmc help tol"), HasSubstr("tolerance"));
