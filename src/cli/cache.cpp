@@ -76,8 +76,9 @@ std::string entry_name(const std::string& folder, const std::string& key) {
   return (fs::path(folder) / key.substr(0, 2) / (key.substr(2) + ".nmc")).string();
 }
 
-Json to_json(const std::string& key, const gltf::Document& document, const Json& report) {
-  Json entry{{"key", key}, {"is_glb", document.is_glb}, {"json", document.json.dump()}, {"report", report}};
+Json to_json(const std::string& key, const gltf::Document& document, const Json& report, const Json& tried) {
+  Json entry{
+      {"key", key}, {"is_glb", document.is_glb}, {"json", document.json.dump()}, {"report", report}, {"tried", tried}};
   entry["buffers"] = Json::array();
   for (std::size_t i = 0; i < document.buffers.size(); ++i)
     entry["buffers"].push_back(document.has_data[i] ? Json::binary(document.buffers[i]) : Json(nullptr));
@@ -90,6 +91,7 @@ Json to_json(const std::string& key, const gltf::Document& document, const Json&
 CachedResult from_json(Json&& entry) {
   CachedResult result;
   result.report = std::move(entry.at("report"));
+  result.tried = std::move(entry.at("tried"));
   gltf::Document& document = result.document;
   document.is_glb = entry.at("is_glb").get<bool>();
   document.json = gltf::parse_json(entry.at("json").get_ref<const std::string&>(), "the cache");
@@ -145,10 +147,10 @@ Cache::Found Cache::find(const std::string& key, CachedResult& result) const {
   }
 }
 
-void Cache::store(const std::string& key, const gltf::Document& document, const Json& report) const {
+void Cache::store(const std::string& key, const gltf::Document& document, const Json& report, const Json& tried) const {
   Bytes bytes(magic.begin(), magic.end());
   bytes.resize(magic.size() + digest_bytes);
-  Json::to_cbor(to_json(key, document, report), bytes);
+  Json::to_cbor(to_json(key, document, report, tried), bytes);
   const Digest digest = hash_of(std::span(bytes).subspan(magic.size() + digest_bytes));
   std::copy(digest.begin(), digest.end(), bytes.begin() + magic.size());
   const std::string name = entry_name(folder_, key);

@@ -14,6 +14,7 @@ namespace nmc::cli {
 struct CachedResult {
   gltf::Document document;  ///< without the name and folder of the input
   nlohmann::ordered_json report;
+  nlohmann::ordered_json tried;  ///< what else a page tells; as it was given to `store`
 };
 
 /// A folder of entries. Several processes may use it at the same time: an entry appears whole or not at all.
@@ -33,7 +34,8 @@ class Cache {
   Found find(const std::string& key, CachedResult& result) const;
 
   /// Writes an entry beside its place and renames it. Throws Error (io).
-  void store(const std::string& key, const gltf::Document& document, const nlohmann::ordered_json& report) const;
+  void store(const std::string& key, const gltf::Document& document, const nlohmann::ordered_json& report,
+             const nlohmann::ordered_json& tried) const;
 
  private:
   std::string folder_;

@@ -168,18 +168,49 @@ class Compression {
     file.report["output"] = file.output;
     file.report["seconds_spent"] = seconds_since(start);
     file.report["from_cache"] = true;
-    write_page(document, cached.document, file.report, {});
+    write_page(document, cached.document, file.report, tried_of(cached.tried));
     result.text = report::cached_text(file.report);
   }
 
-  /// --report; `clips` where they have just been made and know what was tried.
+  /// What was tried for each animation, where it was recorded.
+  using Tried = std::vector<std::vector<codec::Candidate>>;
+
+  static Tried tried_of(const std::vector<codec::ClipResult>& clips) {
+    Tried tried;
+    for (const codec::ClipResult& clip : clips) tried.push_back(clip.candidates);
+    return tried;
+  }
+
+  /// The same out of the cache and into it.
+  static Tried tried_of(const nlohmann::ordered_json& json) {
+    Tried tried;
+    for (const auto& clip : json) {
+      tried.emplace_back();
+      for (const auto& one : clip)
+        tried.back().push_back(
+            {one.at(0).get<std::size_t>(), one.at(1).get<double>(), one.at(2).get<bool>(), one.at(3).get<bool>()});
+    }
+    return tried;
+  }
+
+  static nlohmann::ordered_json tried_json(const Tried& tried) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const std::vector<codec::Candidate>& clip : tried) {
+      json.push_back(nlohmann::ordered_json::array());
+      for (const codec::Candidate& one : clip)
+        json.back().push_back(nlohmann::ordered_json::array({one.bytes, one.error, one.kept, one.chosen}));
+    }
+    return json;
+  }
+
+  /// --report
   void write_page(const gltf::Document& before, const gltf::Document& after, const nlohmann::ordered_json& report,
-                  const std::vector<codec::ClipResult>& clips) const {
+                  const Tried& tried) const {
     if (a_.report.empty()) return;
     codec::Comparison comparison = codec::compare(before, after, report["file_bytes_before"].get<std::size_t>(),
                                                   report["file_bytes_after"].get<std::size_t>(), a_.threads);
     for (codec::ComparedClip& clip : comparison.clips)
-      if (!clips.empty()) clip.candidates = clips[static_cast<std::size_t>(clip.animation)].candidates;
+      clip.candidates = tried.at(static_cast<std::size_t>(clip.animation));
     write_report(a_.report, report, comparison);
   }
 
@@ -203,9 +234,10 @@ class Compression {
     context.node_names = node_names(document);
     file.status = report::FileStatus::compressed;
     file.report = report::compress_json(result, context);
-    write_page(document, result.document, file.report, result.clips);
+    const Tried tried = tried_of(result.clips);
+    write_page(document, result.document, file.report, tried);
     if (cache_) {
-      cache_->store(key, result.document, file.report);
+      cache_->store(key, result.document, file.report, tried_json(tried));
       file.report["from_cache"] = false;
     }
     if (file.cache_damaged) result.notes.push_back("the cache's entry was damaged; it was made again");
