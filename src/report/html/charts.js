@@ -53,9 +53,7 @@ export class Chart {
     if (!this.head || !this.content) return;
     const [low, high] = this.content.x;
     const { left, width } = this.place;
-    const at = left + ((x - low) / (high - low || 1)) * width;
-    this.head.setAttribute('x1', at);
-    this.head.setAttribute('x2', at);
+    this.head.style.transform = `translateX(${left + ((x - low) / (high - low || 1)) * width}px)`;
   }
 
   draw() {
@@ -99,10 +97,17 @@ export class Chart {
       if (title) dot.append(svg('title', {}, title));
       root.append(dot);
     }
-    this.head = svg('line', { class: 'head', y1: place.top, y2: bottom, x1: -9, x2: -9 });
-    if (this.content.head) root.append(this.head);
     this.root = root;
     this.container.replaceChildren(root);
+    this.head = null;
+    if (this.content.head) {
+      // No part of the drawing, which would be painted anew at every frame.
+      this.head = document.createElement('div');
+      this.head.className = 'head';
+      this.head.style.top = `${place.top}px`;
+      this.head.style.height = `${place.height}px`;
+      this.container.append(this.head);
+    }
     if (this.marked !== undefined) this.mark(this.marked);
   }
 }

@@ -33,6 +33,9 @@ export class Player {
     /** Milliseconds that the last frames took to be made ready, and that lay between them while playing. */
     this.frames = [];
     this.intervals = [];
+    /** Pixels of the skin per pixel of the screen, along a side. */
+    this.fineness = 1;
+    this.sinceChange = 0;
     find('legend-end').textContent = `tolerance ${percent(this.tolerance / data.size)} = ${length(this.tolerance)}`;
     this.#listen();
     new ResizeObserver(() => this.draw()).observe(find('stage'));
@@ -78,14 +81,17 @@ export class Player {
     const button = find('play');
     button.setAttribute('aria-pressed', on);
     button.setAttribute('aria-label', on ? 'Pause' : 'Play');
-    if (!on) return;
+    if (!on) {
+      this.fineness = 1;
+      this.draw();
+      return;
+    }
     if (this.time >= this.end) this.time = this.start;
     let last = performance.now();
     const step = (now) => {
       if (!this.playing) return;
       const span = this.end - this.start;
-      this.intervals.push(now - last);
-      if (this.intervals.length > 240) this.intervals.shift();
+      this.#pace(now - last);
       let next = this.time + ((now - last) / 1000) * this.speed;
       last = now;
       if (next > this.end) next = span > 0 ? this.start + ((next - this.start) % span) : this.start;
@@ -93,6 +99,19 @@ export class Player {
       requestAnimationFrame(step);
     };
     requestAnimationFrame(step);
+  }
+
+  /** Where frames come too slowly, as without a graphics card, the skin is drawn coarser until the player pauses. */
+  #pace(milliseconds) {
+    this.intervals.push(milliseconds);
+    if (this.intervals.length > 240) this.intervals.shift();
+    const slow = 30;
+    const enough = 6;
+    if (++this.sinceChange < enough || this.fineness <= 0.25) return;
+    const last = this.intervals.slice(-enough).sort((a, b) => a - b);
+    if (last[enough >> 1] <= slow) return;
+    this.fineness /= 2;
+    this.sinceChange = 0;
   }
 
   /** How much room the clip needs: the box of its nodes over the clip, around the place that the camera follows. */
@@ -151,15 +170,16 @@ export class Player {
     const views = side ? [[0, 0, width / 2, height], [width / 2, 0, width / 2, height]] : [[0, 0, width, height]];
     scene.clear();
     find('skin-canvas').hidden = !withSkin;
-    if (withSkin) this.skin.begin(this.original, this.other, scene.canvas, this.tolerance, scene.colours);
+    if (withSkin) this.skin.begin(this.original, this.other, { width: this.#coarse(width), height: this.#coarse(height) }, this.tolerance, scene.colours);
     views.forEach((view, i) => {
       const matrix = scene.camera(box, view[2] / view[3]);
       scene.inView(view, () => {
         scene.floor(matrix, view, box.center, this.floor, this.cell);
         const plain = side && i === 0;
         if (withSkin) {
-          this.skin.draw(matrix, view, { gain: plain ? 0 : this.gain, coloured: !plain && this.hasOriginal });
-          if (!side && this.gain > 1) this.skin.draw(matrix, view, { gain: 0, coloured: false, opacity: 0.35 });
+          const coarse = view.map((v) => this.#coarse(v));
+          this.skin.draw(matrix, coarse, { gain: plain ? 0 : this.gain, coloured: !plain && this.hasOriginal });
+          if (!side && this.gain > 1) this.skin.draw(matrix, coarse, { gain: 0, coloured: false, opacity: 0.35 });
         }
         if (show === 'skin' && withSkin) return;
         if (plain || (!side && this.hasOriginal)) scene.skeletonOf(matrix, view, this.positions, null, plain ? scene.colours.bone : scene.colours.ghost, plain ? 1 : 0.6);
@@ -168,6 +188,10 @@ export class Player {
     });
     this.frames.push(performance.now() - begin);
     if (this.frames.length > 240) this.frames.shift();
+  }
+
+  #coarse(pixels) {
+    return Math.round(pixels * this.fineness);
   }
 
   /** Places of the shown nodes in both poses, the difference enlarged, and the errors in units of the tolerance. */
