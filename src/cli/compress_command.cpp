@@ -19,6 +19,7 @@
 #include "cli/report_file.h"
 #include "cli/terminal.h"
 #include "cli/tolerance.h"
+#include "codec/mesh_packing.h"
 #include "gltf/files.h"
 #include "report/batch_report.h"
 #include "report/compress_report.h"
@@ -40,6 +41,9 @@ struct Arguments {
   bool fallback = false;
   std::vector<std::string> exclude;
   std::string report;
+  bool draco = false;
+  gltf::DracoBits draco_bits;
+  std::vector<const CLI::Option*> draco_options;
   bool json = false;
   bool quiet = false;
   bool verbose = false;
@@ -62,6 +66,9 @@ void refuse_contradictions(const Arguments& a) {
     refuse("--max-frequencies belongs to --profile paper: add it, or leave both out.");
   if (a.has_effort && paper)
     refuse("--effort does not exist in --profile paper: use --max-frequencies or --time-limit.");
+  const auto is_given = [](const CLI::Option* option) { return option->count() > 0; };
+  if (!a.draco && std::any_of(a.draco_options.begin(), a.draco_options.end(), is_given))
+    refuse("the bits of --draco-... belong to --draco: add it, or leave them out.");
   if (a.has_contact_weight && paper) refuse("--contact-weight does not exist in --profile paper: leave it out.");
 }
 
@@ -78,6 +85,7 @@ codec::CompressOptions make_options(const Arguments& a) {
   if (a.fallback) options.requirement = gltf::Requirement::fallback;
   options.exclude = a.exclude;
   options.record_candidates = !a.report.empty();
+  if (a.draco) options.tolerance.value *= 1 - codec::mesh_share;
   return options;
 }
 
@@ -221,6 +229,7 @@ class Compression {
     context.file_bytes_before = bytes_on_disk(file.input, document);
     options_.progress = line.callback();
     codec::CompressResult result = codec::compress(document, options_);
+    if (a_.draco) codec::pack_meshes(document, a_.draco_bits, result);
     gltf::write_document(result.document, file.output);
     if (result.clips.empty()) result.notes.push_back("the file has no animations; it was written as it is");
     result.notes.insert(result.notes.end(), notes.begin(), notes.end());
@@ -343,6 +352,24 @@ std::string settings_text(const CLI::App& app) {
   return text;
 }
 
+/// Where the meshes are packed too: --draco, and the bits for each kind of attribute.
+void add_mesh_options(CLI::App& app, Arguments& a) {
+  app.add_flag("--draco", a.draco,
+               "pack the meshes as well (KHR_draco_mesh_compression);\nthe tolerance holds over both")
+      ->group("Meshes");
+  const auto add = [&](const char* name, int& bits, const char* what) {
+    const std::string text = fmt::format("2 to 24: bits of {} (default {})", what, bits);
+    a.draco_options.push_back(
+        app.add_option(name, bits, text)->type_name("N")->check(whole_number(2, 24))->group("Meshes"));
+  };
+  add("--draco-position", a.draco_bits.position, "positions; more where needed");
+  add("--draco-normal", a.draco_bits.normal, "normals");
+  add("--draco-texcoord", a.draco_bits.texcoord, "texture coordinates");
+  add("--draco-color", a.draco_bits.color, "colours");
+  add("--draco-weight", a.draco_bits.weight, "skin weights; more where needed");
+  add("--draco-generic", a.draco_bits.generic, "other attributes");
+}
+
 }  // namespace
 
 Run compress_command(CLI::App& app) {
@@ -419,6 +446,8 @@ Run compress_command(CLI::App& app) {
       ->type_name("FOLDER")
       ->group("Work");
   app.add_flag("--dry-run", a->dry_run, "say what would be done; write nothing")->group("Work");
+
+  add_mesh_options(app, *a);
 
   app.add_flag("--json", a->json, "the report as JSON on standard output instead of the table")->group("Output");
   app.add_flag("-q,--quiet", a->quiet, "no table and no progress line")->group("Output");
