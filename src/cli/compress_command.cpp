@@ -66,9 +66,11 @@ void refuse_contradictions(const Arguments& a) {
     refuse("--max-frequencies belongs to --profile paper: add it, or leave both out.");
   if (a.has_effort && paper)
     refuse("--effort does not exist in --profile paper: use --max-frequencies or --time-limit.");
-  const auto is_given = [](const CLI::Option* option) { return option->count() > 0; };
-  if (!a.draco && std::any_of(a.draco_options.begin(), a.draco_options.end(), is_given))
-    refuse("the bits of --draco-... belong to --draco: add it, or leave them out.");
+  for (const CLI::Option* option : a.draco_options) {
+    if (a.draco || option->count() == 0) continue;
+    const std::string name = option->get_name();
+    throw Error(ErrorCode::usage, fmt::format("{} belongs to --draco: add that, or leave {} out.", name, name));
+  }
   if (a.has_contact_weight && paper) refuse("--contact-weight does not exist in --profile paper: leave it out.");
 }
 
@@ -354,20 +356,20 @@ std::string settings_text(const CLI::App& app) {
 
 /// Where the meshes are packed too: --draco, and the bits for each kind of attribute.
 void add_mesh_options(CLI::App& app, Arguments& a) {
-  app.add_flag("--draco", a.draco,
-               "pack the meshes as well (KHR_draco_mesh_compression);\nthe tolerance holds over both")
+  app.add_flag("--draco", a.draco, "pack the meshes as well, with Draco; the tolerance\nholds over both")
       ->group("Meshes");
   const auto add = [&](const char* name, int& bits, const char* what) {
-    const std::string text = fmt::format("2 to 24: bits of {} (default {})", what, bits);
+    const std::string text =
+        fmt::format("bits of {}{}(default {})", what, std::string_view(what).size() > 30 ? '\n' : ' ', bits);
     a.draco_options.push_back(
         app.add_option(name, bits, text)->type_name("N")->check(whole_number(2, 24))->group("Meshes"));
   };
-  add("--draco-position", a.draco_bits.position, "positions; more where needed");
-  add("--draco-normal", a.draco_bits.normal, "normals");
-  add("--draco-texcoord", a.draco_bits.texcoord, "texture coordinates");
-  add("--draco-color", a.draco_bits.color, "colours");
-  add("--draco-weight", a.draco_bits.weight, "skin weights; more where needed");
-  add("--draco-generic", a.draco_bits.generic, "other attributes");
+  add("--draco-position", a.draco_bits.position, "positions, 2 to 24; more where needed");
+  add("--draco-normal", a.draco_bits.normal, "normals, 2 to 24");
+  add("--draco-texcoord", a.draco_bits.texcoord, "texture coordinates, 2 to 24");
+  add("--draco-color", a.draco_bits.color, "colours, 2 to 24");
+  add("--draco-weight", a.draco_bits.weight, "skin weights, 2 to 24; more where needed");
+  add("--draco-generic", a.draco_bits.generic, "other attributes, 2 to 24");
 }
 
 }  // namespace
