@@ -4,7 +4,7 @@ nmc_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 # What building needs.
 nmc_build_packages=(g++ cmake ninja-build libglm-dev libeigen3-dev libdraco-dev libtinygltf-dev libcli11-dev libfmt-dev
-                    nlohmann-json3-dev libmeshoptimizer-dev libstb-dev libxxhash-dev libgtest-dev libgmock-dev)
+                    nlohmann-json3-dev libmeshoptimizer-dev libstb-dev libxxhash-dev libzstd-dev libgtest-dev libgmock-dev)
 
 nmc_say() { printf '== %s\n' "$*"; }
 

@@ -16,6 +16,7 @@ using Run = std::function<int()>;
 
 // Each adds its options to `app` and returns its work.
 Run compress_command(CLI::App& app);
+Run compare_command(CLI::App& app);
 Run decode_command(CLI::App& app);
 Run inspect_command(CLI::App& app);
 Run verify_command(CLI::App& app);

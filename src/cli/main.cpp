@@ -17,11 +17,12 @@
 namespace nmc::cli {
 namespace {
 
-constexpr std::array<Command, 6> commands{{
+constexpr std::array<Command, 7> commands{{
     {"compress", "Compresses the animations of a glTF file; the error stays within a tolerance.", compress_command},
     {"decode", "Turns a compressed file back into plain glTF that every viewer plays.", decode_command},
     {"inspect", "Shows what is inside a compressed file and where its bytes went.", inspect_command},
     {"verify", "Measures the error of a file against the original.", verify_command},
+    {"compare", "Codes the animations by all methods of the papers and others, side by side.", compare_command},
     {"import", "Turns motion capture (BVH) into an animated glTF file.", import_command},
     {"help", "Tells about a command or a topic, such as tolerance or pipeline.", help_command},
 }};

@@ -173,7 +173,24 @@ ClipSet to_clip_set(const motion::Clip& clip, const std::vector<PaperTarget>& la
 
 }  // namespace
 
-PaperClip encode_paper(const Source& source, std::size_t index, const CompressOptions& options) {
+int most_paper_frequencies(const Source& source, std::size_t index) {
+  constexpr int most = 40;
+  const motion::Clip& clip = source.clips[index].clip;
+  std::size_t outputs = 0;
+  for (const PaperTarget& target : layout_of(source, clip, common_targets(source.skeleton, {&clip})))
+    if (target.state != State::fixed) outputs += static_cast<std::size_t>(target.block.width);
+  const auto numbers_with = [outputs](int frequencies) {
+    const auto inputs = static_cast<std::size_t>(2 * frequencies + 1);
+    const auto hidden = static_cast<std::size_t>(network::paper_hidden_size(frequencies));
+    return hidden * (inputs + 1 + hidden + 1 + outputs) + outputs;
+  };
+  int frequencies = 0;
+  while (frequencies < most && numbers_with(frequencies + 1) <= 2 * outputs * clip.times.size()) ++frequencies;
+  return frequencies;
+}
+
+PaperClip encode_paper(const Source& source, std::size_t index, const CompressOptions& options,
+                       network::FrequencyChoice choice, const std::function<void(EncodedSet)>& on_network) {
   const auto start = Clock::now();
   const ClipSource& from = source.clips[index];
   const motion::Clip& clip = from.clip;
@@ -187,11 +204,13 @@ PaperClip encode_paper(const Source& source, std::size_t index, const CompressOp
   result.set.frequencies = {0};
   if (training.poses.cols() == 0) {
     result.set.stream = write_clip_set(to_clip_set(clip, layout, nullptr));
+    if (on_network) on_network(result.set);
   } else {
     const motion::ErrorMeter meter(source.skeleton, source.joint_points);
     const Animation original = motion::to_animation(clip);
     const Eigen::VectorXd times = network::frame_times(training.poses.rows());
     network::AdaptiveOptions adaptive;
+    adaptive.choice = choice;
     adaptive.max_frequencies = options.max_frequencies;
     adaptive.threshold = source.tolerance;
     if (options.time_limit_seconds > 0) {
@@ -207,6 +226,12 @@ PaperClip encode_paper(const Source& source, std::size_t index, const CompressOp
           const double error = *std::max_element(errors.begin(), errors.end());
           result.steps.push_back(
               {static_cast<int>(net.half_cycles.size()), error, network::parameter_count(net), seconds_since(start)});
+          if (on_network) {
+            EncodedSet made{result.set.targets, write_clip_set(to_clip_set(clip, layout, &net)), {index}, {}, {}};
+            made.frequencies = {static_cast<int>(net.half_cycles.size())};
+            made.seconds = {seconds_since(start)};
+            on_network(std::move(made));
+          }
           return error;
         });
     result.joint_error = trained.error;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "codec/source.h"
+#include "network/adaptive_training.h"
 
 namespace nmc::codec {
 
@@ -27,7 +29,14 @@ struct PaperClip {
 };
 
 /// Runs Algorithm 1 on clip `clip` until the largest joint error is within source.tolerance or K is
-/// options.max_frequencies; the stream holds the network with the least error.
-PaperClip encode_paper(const Source& source, std::size_t clip, const CompressOptions& options);
+/// options.max_frequencies; the stream holds the network with the least error. `choice`: consecutive is the paper's
+/// naive baseline. `on_network` (may be empty) gets every network on the way, as the set that it would be.
+PaperClip encode_paper(const Source& source, std::size_t clip, const CompressOptions& options,
+                       network::FrequencyChoice choice = network::FrequencyChoice::adaptive,
+                       const std::function<void(EncodedSet)>& on_network = {});
+
+/// The largest K, 40 at most, with which the network of a clip has no more than twice the numbers of its moving
+/// parameters.
+int most_paper_frequencies(const Source& source, std::size_t clip);
 
 }  // namespace nmc::codec

@@ -1,0 +1,134 @@
+// gltf-nmc's own default, and the paper's network with adaptive and with consecutive frequencies.
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "base/parallel.h"
+#include "baselines/clip_sets.h"
+#include "codec/decoded_set.h"
+#include "codec/paper_profile.h"
+#include "codec/standard_profile.h"
+#include "motion/error.h"
+
+namespace nmc::baselines {
+namespace {
+
+using codec::EncodedSet;
+using codec::Source;
+
+std::vector<int> nodes_of(const EncodedSet& set) {
+  std::vector<int> nodes;
+  for (const codec::NodeTarget& target : set.targets) nodes.push_back(target.node);
+  return nodes;
+}
+
+/// The default profile on all clips; what it cannot bring within the bound is coded again with finer steps.
+class NmcEncoder : public Encoder {
+ public:
+  NmcEncoder(const Source& source, const EncodeSettings& settings) : source_(source), settings_(settings) {}
+
+  Bytes encode(double knob) override {
+    Source source = source_;
+    source.tolerance = knob * source.size;
+    codec::CompressOptions options;
+    options.tolerance = {source.tolerance, codec::Tolerance::Unit::world_units};
+    options.effort = settings_.effort;
+    options.threads = settings_.threads;
+    std::vector<std::size_t> all(source.clips.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    using codec::StandardEncoder;
+    const StandardEncoder usual(source, options, all, StandardEncoder::usual_precision);
+    const std::vector<std::size_t> missed = over_tolerance(source, usual.encode(all));
+    if (missed.empty()) return write_sets({{usual.encode(all)}}, all.size());
+    std::vector<std::size_t> good;
+    std::set_difference(all.begin(), all.end(), missed.begin(), missed.end(), std::back_inserter(good));
+    std::vector<EncodedSet> sets;
+    if (!good.empty()) sets.push_back(usual.encode(good));
+    sets.push_back(StandardEncoder(source, options, missed, StandardEncoder::finest_precision).encode(missed));
+    return write_sets(sets, all.size());
+  }
+
+ private:
+  std::vector<std::size_t> over_tolerance(const Source& source, const EncodedSet& set) const {
+    const motion::ErrorMeter meter(source.skeleton, source.all_points);
+    const codec::DecodedSet decoded(set.stream, "the new clip set");
+    const std::vector<int> nodes = nodes_of(set);
+    std::vector<std::size_t> missed;
+    for (std::size_t i = 0; i < set.clips.size(); ++i)
+      if (!(largest_error(source, meter, set.clips[i], decoded.clip(i, nodes)) <= source.tolerance))
+        missed.push_back(set.clips[i]);
+    return missed;
+  }
+
+  const Source& source_;
+  EncodeSettings settings_;
+};
+
+/// Algorithm 1 on each clip, every network on its way kept: of those within the bound the one with the fewest
+/// frequencies is taken, as the algorithm would have stopped there.
+class PaperEncoder : public Encoder {
+ public:
+  PaperEncoder(const Source& source, const EncodeSettings& settings, network::FrequencyChoice choice)
+      : source_(source), threads_(settings.threads), choice_(choice) {}
+
+  Bytes encode(double knob) override {
+    if (ways_.empty()) train();
+    std::vector<EncodedSet> sets;
+    for (const Way& way : ways_) {
+      std::size_t best = 0;
+      for (std::size_t k = 0; k < way.sets.size(); ++k) {
+        if (way.errors[k] < way.errors[best]) best = k;
+        if (way.errors[k] <= knob * source_.size) {
+          best = k;
+          break;
+        }
+      }
+      sets.push_back(way.sets[best]);
+    }
+    return write_sets(sets, source_.clips.size());
+  }
+
+ private:
+  /// The networks of one clip by number of frequencies.
+  struct Way {
+    std::vector<EncodedSet> sets;
+    std::vector<double> errors;  ///< at joints and skin, world units
+  };
+
+  void train() {
+    ways_.resize(source_.clips.size());
+    Source strict = source_;
+    strict.tolerance = 0;  // no network ends the search
+    const motion::ErrorMeter meter(source_.skeleton, source_.all_points);
+    parallel_for(ways_.size(), threads_, [&](std::size_t i) {
+      codec::CompressOptions options;
+      options.max_frequencies = codec::most_paper_frequencies(source_, i);
+      codec::encode_paper(strict, i, options, choice_, [&](EncodedSet set) {
+        const codec::DecodedSet decoded(set.stream, "the new network");
+        ways_[i].errors.push_back(largest_error(source_, meter, i, decoded.clip(0, nodes_of(set))));
+        ways_[i].sets.push_back(std::move(set));
+      });
+    });
+  }
+
+  const Source& source_;
+  int threads_;
+  network::FrequencyChoice choice_;
+  std::vector<Way> ways_;
+};
+
+}  // namespace
+
+std::unique_ptr<Encoder> prepare_nmc(const Source& source, const EncodeSettings& settings) {
+  return std::make_unique<NmcEncoder>(source, settings);
+}
+
+std::unique_ptr<Encoder> prepare_nmc_paper(const Source& source, const EncodeSettings& settings) {
+  return std::make_unique<PaperEncoder>(source, settings, network::FrequencyChoice::adaptive);
+}
+
+std::unique_ptr<Encoder> prepare_nmc_naive(const Source& source, const EncodeSettings& settings) {
+  return std::make_unique<PaperEncoder>(source, settings, network::FrequencyChoice::consecutive);
+}
+
+}  // namespace nmc::baselines

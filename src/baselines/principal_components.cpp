@@ -1,0 +1,31 @@
+#include "baselines/principal_components.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace nmc::baselines {
+
+PrincipalComponents principal_components(const Eigen::MatrixXd& columns) {
+  PrincipalComponents pca;
+  pca.mean = columns.rowwise().mean();
+  const Eigen::MatrixXd centered = columns.colwise() - pca.mean;
+  const Eigen::MatrixXd covariance = centered * centered.transpose() / static_cast<double>(columns.cols());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+  pca.axes = solver.eigenvectors().rowwise().reverse();
+  pca.variances = solver.eigenvalues().reverse().cwiseMax(0.0);
+  return pca;
+}
+
+Eigen::Index axes_for_residual(const PrincipalComponents& pca, double variance) {
+  Eigen::Index count = pca.variances.size();
+  for (double left = 0; count > 0; --count) {
+    left += pca.variances(count - 1);
+    if (left > variance) break;
+  }
+  return count;
+}
+
+Eigen::Index axes_for_share(const PrincipalComponents& pca, double share) {
+  return axes_for_residual(pca, (1 - share) * pca.variances.sum());
+}
+
+}  // namespace nmc::baselines
