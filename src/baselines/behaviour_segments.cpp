@@ -75,12 +75,12 @@ Eigen::Index first_segment(const Eigen::MatrixXd& poses, Eigen::Index first, con
 double axes_distance(const PrincipalComponents& a, const PrincipalComponents& b) {
   constexpr Eigen::Index axes = 5;
   double sum = 0, weights = 0;
-  for (Eigen::Index p = 0; p < std::min(axes, a.axes.cols()); ++p) {
+  for (Eigen::Index p = 0; p < std::min({axes, a.axes.cols(), b.axes.cols()}); ++p) {
     const double weight = 1.0 / static_cast<double>(p + 1);
     sum += weight * (1 - std::abs(a.axes.col(p).dot(b.axes.col(p))));
     weights += weight;
   }
-  return sum / weights;
+  return weights > 0 ? sum / weights : 0;
 }
 
 void split_group(const Eigen::MatrixXd& similarity, const std::vector<Eigen::Index>& members, double most_cut,

@@ -3,9 +3,12 @@
 #include <array>
 #include <limits>
 
+#include "baselines/clip_pca.h"
 #include "baselines/clip_sets.h"
 #include "baselines/marker_pca.h"
 #include "baselines/method.h"
+#include "baselines/pga_ik.h"
+#include "baselines/rma.h"
 #include "baselines/simple_methods.h"
 #include "motion/error.h"
 
@@ -24,6 +27,12 @@ const std::array methods{
     Method{"pca-piecewise", liu, "what each segment's model leaves out", false, prepare_pca_piecewise,
            decode_marker_pca},
     Method{"pca-segment", liu, "what models and key frames leave out", false, prepare_pca_segment, decode_marker_pca},
+    Method{"clip-pca", "Arikan 2006, as Lin et al. 2011 give it", "length of clips, what their models leave out", false,
+           prepare_clip_pca, decode_clip_pca},
+    Method{"rma", "Lin, Peng, Lin, Tsai 2011", "what axes, splines and rounding leave out", false, prepare_rma,
+           decode_rma},
+    Method{"pga-ik", "Tournier et al. 2009, as Lin et al. 2011 give it", "what axes and splines leave out", false,
+           prepare_pga_ik, decode_pga_ik},
     Method{"dct", "a plain transform", "step of each clip", true, prepare_dct, decode_sets},
     Method{"draco", "Draco's keyframe animation", "bits of each clip", true, prepare_draco, decode_draco},
     Method{"meshopt", "EXT_meshopt_compression", "bits and key rate of each clip", true, prepare_meshopt,

@@ -8,6 +8,18 @@ PrincipalComponents principal_components(const Eigen::MatrixXd& columns) {
   PrincipalComponents pca;
   pca.mean = columns.rowwise().mean();
   const Eigen::MatrixXd centered = columns.colwise() - pca.mean;
+  if (columns.cols() < columns.rows()) {  // the other product has the same eigenvalues and is smaller
+    const Eigen::MatrixXd gram = centered.transpose() * centered / static_cast<double>(columns.cols());
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> small(gram);
+    pca.variances = small.eigenvalues().reverse().cwiseMax(0.0);
+    pca.axes = centered * small.eigenvectors().rowwise().reverse();
+    Eigen::Index count = 0;
+    const double least = 1e-14 * pca.variances.sum();
+    while (count < pca.variances.size() && pca.variances(count) > least) pca.axes.col(count++).normalize();
+    pca.axes.conservativeResize(Eigen::NoChange, count);
+    pca.variances.conservativeResize(count);
+    return pca;
+  }
   const Eigen::MatrixXd covariance = centered * centered.transpose() / static_cast<double>(columns.cols());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
   pca.axes = solver.eigenvectors().rowwise().reverse();

@@ -8,7 +8,7 @@ namespace nmc::baselines {
 /// Columns are mean + axes * coefficients, up to what the axes left out hold.
 struct PrincipalComponents {
   Eigen::VectorXd mean;
-  Eigen::MatrixXd axes;       ///< rows x rows, orthonormal, by falling variance
+  Eigen::MatrixXd axes;       ///< rows x axes, orthonormal, by falling variance; no more axes than needed or rows
   Eigen::VectorXd variances;  ///< mean squared coefficient of each axis over the columns, falling
 };
 

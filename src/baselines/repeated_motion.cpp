@@ -53,8 +53,7 @@ void merge_paths(std::vector<PosturePath>& paths, Index bridge_samples) {
       if (nearest == paths.size()) break;
       const auto [a, b] = paths[nearest].steps.front();
       const Index bridge = std::max(a - x, b - y);
-      for (Index k = 1; k < bridge; ++k)
-        paths[i].steps.push_back({x + (a - x) * k / bridge, y + (b - y) * k / bridge});
+      for (Index k = 1; k < bridge; ++k) paths[i].steps.push_back({x + (a - x) * k / bridge, y + (b - y) * k / bridge});
       paths[i].steps.insert(paths[i].steps.end(), paths[nearest].steps.begin(), paths[nearest].steps.end());
       paths[nearest].steps.clear();
       merged = true;
@@ -111,7 +110,10 @@ class ClipChoice {
  public:
   ClipChoice(const Eigen::MatrixXd& columns, const std::vector<PosturePath>& paths, std::vector<Index> junctions,
              Index least)
-      : columns_(columns), junctions_(std::move(junctions)), least_(least), taken_(static_cast<std::size_t>(columns.cols()), 0) {
+      : columns_(columns),
+        junctions_(std::move(junctions)),
+        least_(least),
+        taken_(static_cast<std::size_t>(columns.cols()), 0) {
     for (const PosturePath& path : paths)
       for (const bool from_x : {true, false}) maps_.push_back(mapping(path, from_x, columns.cols()));
     cuts_.insert(0);

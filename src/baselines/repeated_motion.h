@@ -35,7 +35,8 @@ struct ClipPart {
 };
 
 /// The clips of a motion, in order, without gaps, by greedy choice of the largest gain (equations 2, 3, 5). No clip
-/// crosses a sample of `junctions` (increasing); none but what junctions force is shorter than `least_samples` (200 ms).
+/// crosses a sample of `junctions` (increasing); none but what junctions force is shorter than `least_samples` (200
+/// ms).
 std::vector<ClipPart> choose_clips(const Eigen::MatrixXd& columns, const std::vector<PosturePath>& paths,
                                    const std::vector<Eigen::Index>& junctions, Eigen::Index least_samples);
 

@@ -33,7 +33,9 @@ glm::dquat mean_turn(const MarkerRig& rig, const std::vector<MatrixXd>& values) 
   return glm::length(sum) > 1e-9 ? glm::normalize(sum) : glm::dquat(1, 0, 0, 0);
 }
 
-double nearest_turn(double angle, double last) { return angle + glm::two_pi<double>() * std::round((last - angle) / glm::two_pi<double>()); }
+double nearest_turn(double angle, double last) {
+  return angle + glm::two_pi<double>() * std::round((last - angle) / glm::two_pi<double>());
+}
 
 MatrixXd transform(const MarkerRig& rig, const RootMotion& root, MatrixXd markers, bool forward) {
   for (Index n = 0; n < markers.cols(); ++n) {

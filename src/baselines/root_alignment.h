@@ -1,5 +1,5 @@
-// Poses without where the body stands and looks: root alignment (Lin et al. 2011, section 3), with the root's own motion
-// as Catmull-Rom splines.
+// Poses without where the body stands and looks: root alignment (Lin et al. 2011, section 3), with the root's own
+// motion as Catmull-Rom splines.
 #pragma once
 
 #include <Eigen/Core>
