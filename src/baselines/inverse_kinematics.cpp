@@ -1,6 +1,7 @@
 #include "baselines/inverse_kinematics.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "baselines/markers.h"
 #include "motion/index.h"
@@ -48,8 +49,9 @@ double ReachingPose::reach(int node, const glm::dvec3& target, int chain, double
        above = skeleton_.parent[at(above)])
     if (rotation_[at(above)]) joints.push_back(above);
   double distance = glm::length(target - position(node));
-  constexpr int most_steps = 30;
-  constexpr double damping = 0.05;
+  constexpr int most_steps = 60;
+  constexpr double least_damping = 0.05, most_damping = 100;
+  double damping = least_damping;  // of a step, in reaches; more of it after one that led away
   for (int step = 0; step < most_steps && distance > tolerance && !joints.empty(); ++step) {
     Eigen::MatrixXd jacobian(3, 3 * static_cast<Eigen::Index>(joints.size()));
     double reach = 0;
@@ -76,8 +78,11 @@ double ReachingPose::reach(int node, const glm::dvec3& target, int chain, double
     if (!(now < distance)) {
       locals_ = before;
       update();
-      break;
+      damping *= 4;
+      if (damping > most_damping) break;
+      continue;
     }
+    damping = std::max(least_damping, damping / 4);
     distance = now;
   }
   for (const int joint : joints) {

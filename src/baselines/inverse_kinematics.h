@@ -15,7 +15,7 @@ class ReachingPose {
   ReachingPose(const motion::Skeleton& skeleton, const Head& head, Eigen::MatrixXd& values, Eigen::Index n);
 
   /// Turns at most `chain` joints above `node` whose rotation moves until its origin is within `tolerance` (world
-  /// units) of `target`, or as near as 30 steps bring it; writes the rotations back. Returns the distance that is left.
+  /// units) of `target`, or as near as 60 steps bring it; writes the rotations back. Returns the distance that is left.
   double reach(int node, const glm::dvec3& target, int chain, double tolerance);
 
   glm::dvec3 position(int node) const { return glm::dvec3(world_[static_cast<std::size_t>(node)][3]); }

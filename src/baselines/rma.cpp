@@ -1,5 +1,6 @@
 #include "baselines/rma.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
