@@ -67,6 +67,29 @@ std::vector<const baselines::Method*> chosen_methods(const std::string& text) {
   return chosen;
 }
 
+/// The names in lines that fit the help.
+std::string wrapped_names() {
+  constexpr std::size_t most = 60;
+  std::string text;
+  std::size_t width = 0;
+  for (const std::string& name : split(method_names())) {
+    const bool breaks = width + name.size() + 2 > most;
+    if (!text.empty()) text += breaks ? ",\n" : ", ";
+    width = (breaks ? 0 : width + 2) + name.size();
+    text += name;
+  }
+  return text;
+}
+
+codec::Tolerance parse_one(const std::string& text) {
+  try {
+    return parse_tolerance(text);
+  } catch (const Error& error) {  // the sentence names the other commands' option
+    const std::string sentence = error.what();
+    throw Error(error.code(), "--tolerances" + sentence.substr(std::min(sentence.find(':'), sentence.size())));
+  }
+}
+
 /// A number without a unit has the last one's: 0.1,0.5,1,2%.
 std::vector<codec::Tolerance> parse_tolerances(const std::string& text) {
   const std::vector<std::string> parts = split(text);
@@ -76,7 +99,7 @@ std::vector<codec::Tolerance> parse_tolerances(const std::string& text) {
   std::vector<codec::Tolerance> tolerances;
   for (const std::string& part : parts) {
     const bool bare = part.find_first_not_of("0123456789.") == std::string::npos;
-    tolerances.push_back(parse_tolerance(bare && unit != std::string::npos ? part + last.substr(unit + 1) : part));
+    tolerances.push_back(parse_one(bare && unit != std::string::npos ? part + last.substr(unit + 1) : part));
   }
   return tolerances;
 }
@@ -102,6 +125,10 @@ std::filesystem::path encoded_name(const std::string& folder, std::string_view m
 }
 
 void keep_encoded(const std::string& folder, const baselines::Comparison& result) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure)
+    throw Error(ErrorCode::io, fmt::format("--keep-encoded: {} cannot be made: {}.", folder, failure.message()));
   gltf::FileReplacement files;
   for (const baselines::MethodResult& method : result.methods)
     for (std::size_t t = 0; t < result.tolerances.size(); ++t)
@@ -134,11 +161,6 @@ baselines::Comparison check_encoded(const std::string& folder, const codec::Sour
   return result;
 }
 
-void check_folder(const char* option, const std::string& folder) {
-  if (!folder.empty() && !std::filesystem::is_directory(folder))
-    throw Error(ErrorCode::io, fmt::format("{}: {} is no folder; make it first.", option, folder));
-}
-
 void write_report(const std::string& path, const std::string& text) {
   gltf::FileReplacement file;
   file.add(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -156,8 +178,8 @@ int run(const Arguments& a) {
   const std::string kind = std::filesystem::path(a.output).extension().string();
   if (!a.output.empty() && kind != ".html" && kind != ".json" && kind != ".csv")
     throw Error(ErrorCode::usage, fmt::format("-o: {} ends in none of .html, .json and .csv.", a.output));
-  check_folder("--keep-encoded", a.keep_encoded);
-  check_folder("--check-encoded", a.check_encoded);
+  if (!a.check_encoded.empty() && !std::filesystem::is_directory(a.check_encoded))
+    throw Error(ErrorCode::io, fmt::format("--check-encoded: {} is no folder.", a.check_encoded));
   baselines::CompareOptions options;
   options.methods = chosen_methods(a.methods);
   const std::vector<codec::Tolerance> tolerances = parse_tolerances(a.tolerances);
@@ -192,7 +214,7 @@ int run(const Arguments& a) {
 Run compare_command(CLI::App& app) {
   const auto a = std::make_shared<Arguments>();
   app.add_option("IN", a->input, "the file whose animations are coded: .glb or .gltf; it stays as it is")->required();
-  app.add_option("--methods", a->methods, "some of these, with commas (default all):\n" + method_names())
+  app.add_option("--methods", a->methods, "some of these, with commas (default all):\n" + wrapped_names())
       ->type_name("NAMES")
       ->group("Comparison");
   app.add_option("--tolerances", a->tolerances,
@@ -210,14 +232,15 @@ Run compare_command(CLI::App& app) {
       ->group("Comparison");
   app.add_flag("--allow-external", a->allow_external, "let URIs in IN leave its folder (default refused)")
       ->group("File");
-  app.add_option("-o,--output", a->output, "a page with a plot (.html), or the numbers (.json, .csv)")
+  app.add_option("-o,--output", a->output, "a page with a plot (.html), or the numbers (.json, .csv)\n(default none)")
       ->type_name("FILE")
       ->group("Output");
-  app.add_option("--keep-encoded", a->keep_encoded, "a folder for the encoded bytes: METHOD@TOLERANCE%.bin each")
+  app.add_option("--keep-encoded", a->keep_encoded,
+                 "a folder for the encoded bytes, one METHOD@TOLERANCE%.bin each\n(default none)")
       ->type_name("FOLDER")
       ->group("Output");
   app.add_option("--check-encoded", a->check_encoded,
-                 "encode nothing: decode and measure the files that\n--keep-encoded wrote for IN")
+                 "encode nothing: decode and measure the files that\n--keep-encoded wrote for IN (default none)")
       ->type_name("FOLDER")
       ->group("Output");
   app.add_flag("--json", a->json, "the report as JSON on standard output instead of the table")->group("Output");

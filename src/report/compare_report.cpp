@@ -80,6 +80,7 @@ nlohmann::ordered_json compare_json(const Comparison& result, const CompareConte
     return json;
   };
   nlohmann::ordered_json json;
+  json["command"] = "compare";
   json["version"] = context.version;
   json["input"] = context.input;
   json["animations"] = result.clips;
