@@ -227,7 +227,7 @@ PaperClip encode_paper(const Source& source, std::size_t index, const CompressOp
           result.steps.push_back(
               {static_cast<int>(net.half_cycles.size()), error, network::parameter_count(net), seconds_since(start)});
           if (on_network) {
-            EncodedSet made{result.set.targets, write_clip_set(to_clip_set(clip, layout, &net)), {index}, {}, {}};
+            EncodedSet made{result.set.targets, write_clip_set(to_clip_set(clip, layout, &net)), {index}, {}, {}, {}};
             made.frequencies = {static_cast<int>(net.half_cycles.size())};
             made.seconds = {seconds_since(start)};
             on_network(std::move(made));
