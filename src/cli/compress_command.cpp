@@ -14,12 +14,14 @@
 #include "cli/cache.h"
 #include "cli/command.h"
 #include "cli/files.h"
+#include "cli/nearest.h"
 #include "cli/outputs.h"
 #include "cli/progress_line.h"
 #include "cli/report_file.h"
+#include "cli/settings.h"
 #include "cli/terminal.h"
-#include "cli/tolerance.h"
 #include "codec/mesh_packing.h"
+#include "codec/target_size.h"
 #include "gltf/files.h"
 #include "report/batch_report.h"
 #include "report/compress_report.h"
@@ -30,16 +32,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> files;
   std::string output;
-  std::string profile = "default";
-  std::string tolerance = "0.1%";
-  int max_frequencies = 40;
-  int effort = 5;
-  double contact_weight = 3;
-  double time_limit_seconds = 0;
   int threads = 0;
-  bool optional = false;
-  bool fallback = false;
-  std::vector<std::string> exclude;
   std::string report;
   bool draco = false;
   gltf::DracoBits draco_bits;
@@ -51,51 +44,25 @@ struct Arguments {
   std::string cache;
   bool dry_run = false;
   std::string settings;  ///< the options that the bytes depend on, as text
-  // whether the user named them
-  bool has_max_frequencies = false;
-  bool has_effort = false;
-  bool has_contact_weight = false;
 };
 
-void refuse_contradictions(const Arguments& a) {
-  const auto refuse = [](const char* sentence) { throw Error(ErrorCode::usage, sentence); };
-  const bool paper = a.profile == "paper";
+void refuse_contradictions(const Arguments& a, const Settings& settings) {
+  const auto refuse = [](const std::string& sentence) { throw Error(ErrorCode::usage, sentence); };
   if (a.quiet && a.verbose) refuse("--quiet and --verbose contradict each other: give one of them.");
-  if (a.optional && a.fallback) refuse("--optional and --fallback contradict each other: give one of them.");
-  if (a.has_max_frequencies && !paper)
-    refuse("--max-frequencies belongs to --profile paper: add it, or leave both out.");
-  if (a.has_effort && paper)
-    refuse("--effort does not exist in --profile paper: use --max-frequencies or --time-limit.");
+  if (a.draco && !settings.rules.empty())
+    refuse("--draco holds meshes to one tolerance for everything: leave the others out.");
   for (const CLI::Option* option : a.draco_options) {
     if (a.draco || option->count() == 0) continue;
     const std::string name = option->get_name();
-    throw Error(ErrorCode::usage, fmt::format("{} belongs to --draco: add that, or leave {} out.", name, name));
+    refuse(fmt::format("{} belongs to --draco: add that, or leave {} out.", name, name));
   }
-  if (a.has_contact_weight && paper) refuse("--contact-weight does not exist in --profile paper: leave it out.");
-}
-
-codec::CompressOptions make_options(const Arguments& a) {
-  codec::CompressOptions options;
-  options.profile = a.profile == "paper" ? codec::Profile::paper : codec::Profile::standard;
-  options.tolerance = parse_tolerance(a.tolerance);
-  options.max_frequencies = a.max_frequencies;
-  options.effort = a.effort;
-  options.contact_weight = a.contact_weight;
-  options.time_limit_seconds = a.time_limit_seconds;
-  options.threads = a.threads;
-  if (a.optional) options.requirement = gltf::Requirement::optional;
-  if (a.fallback) options.requirement = gltf::Requirement::fallback;
-  options.exclude = a.exclude;
-  options.record_candidates = !a.report.empty();
-  if (a.draco) options.tolerance.value *= 1 - codec::mesh_share;
-  return options;
 }
 
 /// Names of --exclude that the file does not have.
-std::vector<std::string> unknown_excluded(const Arguments& a, const gltf::Document& document) {
-  const std::vector<std::string> names = animation_names(document);
+std::vector<std::string> unknown_excluded(const codec::CompressOptions& options,
+                                          const std::vector<std::string>& names) {
   std::vector<std::string> unknown;
-  for (const std::string& name : a.exclude)
+  for (const std::string& name : options.exclude)
     if (std::find(names.begin(), names.end(), name) == names.end()) unknown.push_back(name);
   return unknown;
 }
@@ -113,8 +80,12 @@ struct FileResult {
 /// One run over one file or many.
 class Compression {
  public:
-  Compression(const Arguments& a, const Outputs& outputs)
-      : a_(a), many_(!outputs.folder.empty()), options_(make_options(a)) {
+  Compression(const Arguments& a, const Settings& settings, const Outputs& outputs)
+      : a_(a), settings_(settings), many_(!outputs.folder.empty()) {
+    apply(settings, options_);
+    options_.threads = a.threads;
+    if (a.draco) options_.tolerance.value *= 1 - codec::mesh_share;
+    options_.record_candidates = !a.report.empty();
     if (!a.cache.empty()) cache_.emplace(a.cache, a.dry_run);
   }
 
@@ -130,9 +101,11 @@ class Compression {
     const gltf::Document document = gltf::parse_document(bytes, path.filename().string(), path.parent_path(),
                                                          {.allow_external = a_.allow_external});
     std::vector<std::string> notes;
-    for (const std::string& name : unknown_excluded(a_, document)) {
+    const std::vector<std::string> names = animation_names(document);
+    for (const std::string& name : unknown_excluded(options_, names)) {
       if (!many_)
-        throw Error(ErrorCode::usage, fmt::format("--exclude: {} has no animation named '{}'.", pair.input, name));
+        throw Error(ErrorCode::usage, fmt::format("--exclude: {} has no animation named '{}'{}", pair.input, name,
+                                                  did_you_mean(name, names)));
       notes.push_back(fmt::format("it has no animation named '{}' to exclude", name));
     }
 
@@ -230,7 +203,9 @@ class Compression {
     report::BatchFile& file = outcome.file;
     context.file_bytes_before = bytes_on_disk(file.input, document);
     options_.progress = line.callback();
-    codec::CompressResult result = codec::compress(document, options_);
+    codec::CompressResult result = settings_.target_bytes
+                                       ? codec::compress_to_size(document, options_, *settings_.target_bytes)
+                                       : codec::compress(document, options_);
     if (a_.draco) codec::pack_meshes(document, a_.draco_bits, result);
     gltf::write_document(result.document, file.output);
     if (result.clips.empty()) result.notes.push_back("the file has no animations; it was written as it is");
@@ -256,6 +231,7 @@ class Compression {
   }
 
   const Arguments& a_;
+  const Settings& settings_;
   bool many_;
   codec::CompressOptions options_;
   std::optional<Cache> cache_;
@@ -272,10 +248,10 @@ FileResult failed(const FilePair& pair, ErrorCode code, const std::string& sente
   return result;
 }
 
-int run_many(const Arguments& a, const Outputs& outputs) {
+int run_many(const Arguments& a, const Settings& settings, const Outputs& outputs) {
   const auto start = std::chrono::steady_clock::now();
   if (!a.dry_run) make_folder(outputs.folder);
-  Compression compression(a, outputs);
+  Compression compression(a, settings, outputs);
   std::vector<report::BatchFile> files;
   std::vector<std::uint64_t> weights;
   for (const FilePair& pair : outputs.files) weights.push_back(file_bytes(pair.input));
@@ -308,10 +284,10 @@ int run_many(const Arguments& a, const Outputs& outputs) {
   return report::worst_exit_code(files);
 }
 
-int run_one(const Arguments& a, const Outputs& outputs) {
+int run_one(const Arguments& a, const Settings& settings, const Outputs& outputs) {
   check_report(a.report, {outputs.files[0].input, outputs.files[0].output});
   const FileResult result = [&] {
-    Compression compression(a, outputs);
+    Compression compression(a, settings, outputs);
     ProgressLine line(verbosity(a));
     return compression.run(outputs.files[0], line);
   }();
@@ -331,12 +307,14 @@ int run_one(const Arguments& a, const Outputs& outputs) {
   return 0;
 }
 
-int run(const Arguments& a) {
-  refuse_contradictions(a);
+int run(const Arguments& a, const SettingsArguments& given) {
+  if (a.quiet && a.verbose)
+    throw Error(ErrorCode::usage, "--quiet and --verbose contradict each other: give one of them.");
+  const Settings settings = read_settings(given);
   const Outputs outputs = plan_outputs(a.files, a.output);
   if (!outputs.folder.empty() && !a.report.empty())
     throw Error(ErrorCode::usage, "--report is about one file: name one input and the file to write.");
-  return outputs.folder.empty() ? run_one(a, outputs) : run_many(a, outputs);
+  return outputs.folder.empty() ? run_one(a, settings, outputs) : run_many(a, settings, outputs);
 }
 
 /// The options that were given and that the bytes may depend on, as text for the cache: all but those known not to.
@@ -387,54 +365,12 @@ Run compress_command(CLI::App& app) {
       ->type_name("PATH")
       ->group("File");
 
-  app.add_option("--tolerance", a->tolerance,
-                 "largest error that may be seen: a share of the character's\n"
-                 "size, above 0% to 100%, or a length above 0: 2mm, 1cm,\n"
-                 "0.01m (default 0.1%)")
-      ->type_name("AMOUNT")
-      ->group("Error bound");
-  app.add_option("--exclude", a->exclude, "leave this animation as it is; may be repeated (default none)")
-      ->type_name("NAME")
-      ->allow_extra_args(false)
-      ->group("Error bound");
-
-  app.add_option("--profile", a->profile,
-                 "default: the smallest file that keeps the tolerance on\n"
-                 "joints and skin; paper: the published method, the tolerance\n"
-                 "on joints alone (default default)")
-      ->type_name("default|paper")
-      ->check(one_of({"default", "paper"}))
-      ->group("Method");
-  CLI::Option* effort =
-      app.add_option("--effort", a->effort, "1 (fast) to 9 (smallest file); profile default only (default 5)")
-          ->type_name("N")
-          ->check(whole_number(1, 9))
-          ->group("Method");
-  CLI::Option* contact_weight =
-      app.add_option(
-             "--contact-weight", a->contact_weight,
-             "1 to 100: how often the error of points that stand still\ncounts; profile default only (default 3)")
-          ->type_name("X")
-          ->check(number(1, 100))
-          ->group("Method");
-  CLI::Option* frequencies = app.add_option("--max-frequencies", a->max_frequencies,
-                                            "where Algorithm 1 gives up, 0 to 1000; profile paper only\n(default 40)")
-                                 ->type_name("N")
-                                 ->check(whole_number(0, 1000))
-                                 ->group("Method");
-  app.add_option("--time-limit", a->time_limit_seconds,
-                 "stop searching after this time, above 0; what is not done\nstays as it is (default none)")
-      ->type_name("SECONDS")
-      ->check(positive_number())
-      ->group("Method");
+  const auto settings = add_settings(app);
   app.add_option("--threads", a->threads, "1 to 1024; the result does not depend on it (default all)")
       ->type_name("N")
       ->check(whole_number(1, 1024))
       ->group("Method");
 
-  app.add_flag("--optional", a->optional, "readers without the extension show the model, standing still")
-      ->group("File");
-  app.add_flag("--fallback", a->fallback, "the original keys stay in the file as well")->group("File");
   app.add_flag("--allow-external", a->allow_external, "let URIs in IN leave its folder (default refused)")
       ->group("File");
 
@@ -457,10 +393,8 @@ Run compress_command(CLI::App& app) {
       ->group("Output");
   return [=, &app] {
     a->settings = settings_text(app);
-    a->has_effort = effort->count() > 0;
-    a->has_contact_weight = contact_weight->count() > 0;
-    a->has_max_frequencies = frequencies->count() > 0;
-    return run(*a);
+    if (!settings->file.empty()) a->settings += read_settings_text(settings->file);
+    return run(*a, *settings);
   };
 }
 

@@ -5,8 +5,8 @@
 #include "cli/command.h"
 #include "cli/files.h"
 #include "cli/report_file.h"
+#include "cli/settings.h"
 #include "cli/terminal.h"
-#include "cli/tolerance.h"
 #include "report/verify_report.h"
 
 namespace nmc::cli {
@@ -15,26 +15,26 @@ namespace {
 struct Arguments {
   std::string original;
   std::string file;
-  std::string tolerance = "0.1%";
   bool joints_alone = false;
   std::string report;
   bool json = false;
   bool allow_external = false;
 };
 
-int run(const Arguments& a) {
+int run(const Arguments& a, const SettingsArguments& given) {
   check_report(a.report, {a.original, a.file});
-  const codec::Tolerance tolerance = parse_tolerance(a.tolerance);
+  const Settings settings = read_settings(given);
   const gltf::ReadOptions read_options{.allow_external = a.allow_external};
   const gltf::Document original = gltf::read_document(a.original, read_options);
   const gltf::Document other = gltf::read_document(a.file, read_options);
-  const codec::Verification result = codec::verify(original, other);
+  const codec::Verification result =
+      codec::verify(original, other, settings.tolerance.value_or(codec::Tolerance{}), settings.rules);
 
   report::VerifyContext context;
   context.version = version;
   context.original = a.original;
   context.other = a.file;
-  context.tolerance = in_world_units(tolerance, result.size);
+  context.has_exceptions = !settings.rules.empty();
   context.joints_alone = a.joints_alone;
   context.node_names = node_names(original);
   if (!a.report.empty()) {
@@ -51,12 +51,7 @@ Run verify_command(CLI::App& app) {
   const auto a = std::make_shared<Arguments>();
   app.add_option("ORIGINAL", a->original, "the file before compression")->required();
   app.add_option("FILE", a->file, "the compressed or decoded file")->required();
-  app.add_option("--tolerance", a->tolerance,
-                 "the error that may be seen: a share of the character's\n"
-                 "size, above 0% to 100%, or a length above 0: 2mm, 1cm,\n"
-                 "0.01m (default 0.1%)")
-      ->type_name("AMOUNT")
-      ->group("Error bound");
+  const auto settings = add_tolerances(app);
   app.add_flag("--joints", a->joints_alone,
                "hold skin joints alone to the tolerance, as profile paper does\n(default joints and skin)")
       ->group("Error bound");
@@ -66,7 +61,7 @@ Run verify_command(CLI::App& app) {
       ->type_name("FILE.html")
       ->group("Output");
   app.add_flag("--json", a->json, "as JSON instead of a table")->group("Output");
-  return [=] { return run(*a); };
+  return [=] { return run(*a, *settings); };
 }
 
 }  // namespace nmc::cli

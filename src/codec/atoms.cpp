@@ -57,6 +57,12 @@ void put_atom(const LevelAtom& atom, std::vector<LevelAtom>& atoms) {
     same->level += atom.level;
 }
 
+void tidy_atoms(std::vector<LevelAtom>& atoms) {
+  std::erase_if(atoms, [](const LevelAtom& a) { return a.level == 0; });
+  std::stable_sort(atoms.begin(), atoms.end(),
+                   [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
+}
+
 void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values) {
   const Eigen::Index at = atom.sample, half = Eigen::Index{1} << atom.width;
   const Eigen::Index end = std::min<Eigen::Index>(values.cols(), at + half);

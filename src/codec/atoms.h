@@ -14,6 +14,9 @@ namespace nmc::codec {
 /// Adds an atom to a list; to the one of the same sample, parameter and width if there is one.
 void put_atom(const LevelAtom& atom, std::vector<LevelAtom>& atoms);
 
+/// Puts a list into the order of the stream, without atoms that have become nothing.
+void tidy_atoms(std::vector<LevelAtom>& atoms);
+
 /// Adds what one atom means to the values (all parameters x samples).
 void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values);
 

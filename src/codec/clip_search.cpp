@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "codec/atoms.h"
 #include "codec/between.h"
 #include "codec/contacts.h"
 #include "codec/corrections.h"
@@ -87,7 +88,8 @@ class ClipSearch {
         prepared_(prepared),
         clip_(context.source.clips[index]),
         threads_(clip_.clip.times.size() < worth_threads ? 1 : context.threads),
-        map_(context.source.skeleton, context.frame, prepared.layout, context.source.points, prepared.coded) {}
+        map_(context.source.skeleton, context.frame, prepared.layout, points_of(context.source, context.bound),
+             prepared.coded) {}
 
   LevelClip run() {
     const SearchPlan plan = plan_of(context_.effort, clip_.clip.times.size());
@@ -174,7 +176,7 @@ class ClipSearch {
                                         .steps = &prepared_.steps,
                                         .offset = &prepared_.offset,
                                         .emphasis = &prepared_.emphasis,
-                                        .tolerance = context_.source.tolerance,
+                                        .tolerance = context_.bound.tolerance,
                                         .threads = threads_,
                                         .parts = context_.parts,
                                         .start = start},
@@ -202,7 +204,7 @@ class ClipSearch {
         20 + std::min(trial.bytes, best_ ? best_bytes_ - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
     if (settings.iterations > 0 && context_.parts.refinement) {
       if (usual_error(levels) > hopeless) return trial;
-      repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance * 0.99,
+      repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance * 0.99,
              threads_);
       if (usual_error(levels) > hopeless_repaired) return trial;
     }
@@ -211,7 +213,7 @@ class ClipSearch {
     if (trial.kept && context_.parts.refinement &&
         static_cast<double>(was) < worth_pruning * static_cast<double>(best_bytes_)) {
       LevelClip pruned = levels;
-      prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance,
+      prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
             threads_);
       const bool ok = bring_within_bound(pruned, room);
       if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
@@ -239,7 +241,7 @@ class ClipSearch {
       largest = largest.max(error.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum());
     const auto middle = largest.begin() + largest.size() / 2;
     std::nth_element(largest.begin(), middle, largest.end());
-    return std::sqrt(*middle) / static_cast<float>(context_.source.tolerance);
+    return std::sqrt(*middle) / static_cast<float>(context_.bound.tolerance);
   }
 
   std::size_t bytes_of(const LevelClip& clip) const {
@@ -255,19 +257,30 @@ class ClipSearch {
     if (!context_.parts.corrections) {
       const motion::ErrorProfile profile = error_profile(levels);
       return *std::max_element(profile.max_error.begin(), profile.max_error.end()) <=
-             kept_share * context_.source.tolerance;
+             kept_share * context_.bound.tolerance;
     }
     constexpr int rounds = 8;
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
     for (int round = 0; round < rounds; ++round) {
-      if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.source.tolerance,
+      if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
                    strictness, most_atoms, threads_))
         return false;
+      if (context_.exact_ends) restore_ends(levels);
       const motion::ErrorProfile profile = error_profile(levels);
       if (!tighten(profile, 1 + 0.1 * round, strictness)) return true;
       mend_flips(profile, round < 3 ? 1.5 : 1, levels);
     }
     return false;
+  }
+
+  /// Atoms that make the first and the last pose what they were.
+  void restore_ends(LevelClip& levels) const {
+    const Eigen::Index samples = prepared_.layout.values.cols();
+    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, samples);
+    for (const Eigen::Index end : {Eigen::Index{0}, samples - 1})
+      for (const std::vector<LevelAtom>& atoms : missing_by_target(prepared_.layout, prepared_.steps, end, 1, values))
+        for (const LevelAtom& atom : atoms) put_atom(atom, levels.atoms);
+    tidy_atoms(levels.atoms);
   }
 
   motion::ErrorProfile error_profile(const LevelClip& levels) const {
@@ -283,19 +296,19 @@ class ClipSearch {
     const std::vector<float>& times = clip_.clip.times;
     Eigen::MatrixXd values;
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
-      if (!(profile.max_error[k] > far * context_.source.tolerance)) continue;
+      if (!(profile.max_error[k] > far * context_.bound.tolerance)) continue;
       const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
       if (next == 0 || next == std::ssize(times)) continue;
       if (values.size() == 0) values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
       mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next, profile.seconds[k],
-                   aim * context_.source.tolerance, values, levels);
+                   aim * context_.bound.tolerance, values, levels);
     }
   }
 
   /// Makes the samples next to each time above the bound stricter, by `least` or more. False where there is none.
   bool tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
     constexpr double most = 1.5;  // at once
-    const double bound = kept_share * context_.source.tolerance, goal = aim * context_.source.tolerance;
+    const double bound = kept_share * context_.bound.tolerance, goal = aim * context_.bound.tolerance;
     const std::vector<float>& times = clip_.clip.times;
     SampleRow factor = SampleRow::Ones(strictness.size());
     bool above = false;
@@ -332,14 +345,14 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
   for (Eigen::Index i = 0; i < clip.coded.rows(); ++i)
     if (!clip.layout.parameters[static_cast<std::size_t>(i)].moves)
       clip.coded.row(i).setConstant(fixed_level(clip.layout, clip.steps, i) * clip.steps.anchor(i));
+  const Points& points = points_of(context.source, context.bound);
   const auto positions = [&](const Eigen::MatrixXd& fixed) {
-    return MotionMap(context.source.skeleton, context.frame, clip.layout, context.source.points, fixed)
-        .positions(clip.layout.values);
+    return MotionMap(context.source.skeleton, context.frame, clip.layout, points, fixed).positions(clip.layout.values);
   };
   clip.wanted = positions(clip.layout.values);
   clip.offset = in_blocks(positions(clip.coded) - clip.wanted);
-  clip.emphasis = in_blocks(
-      contact_emphasis(clip.wanted, context.source.points.size(), motion.times, context.source.size, contact_weight));
+  clip.emphasis =
+      in_blocks(contact_emphasis(clip.wanted, points.size(), motion.times, context.source.size, contact_weight));
   return clip;
 }
 

@@ -21,7 +21,7 @@ struct PreparedClip {
   ClipLayout layout;
   ParameterSteps steps;
   Eigen::MatrixXd coded;  ///< the layout's values, fixed targets as they are coded
-  Rows wanted;            ///< positions of Source::points
+  Rows wanted;            ///< positions of the points of the bound
   LaneRows offset;        ///< in blocks: what the rounding of fixed targets moves them by
   LaneRows emphasis;      ///< in blocks, points x samples: how much an error counts
 };
@@ -29,12 +29,14 @@ struct PreparedClip {
 /// What a search needs to know; all of it outlives the search.
 struct SearchContext {
   const Source& source;
+  const Bound& bound;
   const SetFrame& frame;
   const ClipSet& set;
   const motion::ErrorMeter& meter;
   std::function<bool()> is_late;  ///< no time is left: take the first result
   int effort = 5;
   int threads = 1;  ///< for one training
+  bool exact_ends = false;
   Parts parts{};
 };
 

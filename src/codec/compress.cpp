@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
@@ -28,9 +29,16 @@ std::vector<int> nodes_of(const EncodedSet& set) {
   return nodes;
 }
 
+double share_of_tolerance(const motion::ErrorReport& error, const Bound& bound, Profile profile) {
+  return (profile == Profile::paper ? error.max_joint : error.max) / bound.tolerance;
+}
+
 /// What the decoder gives for each clip of a set, measured against the file; the outcomes go into the results.
 void judge(const Source& source, const CompressOptions& options, const motion::ErrorMeter& meter, const EncodedSet& set,
            std::vector<ClipResult>& results) {
+  const Bound& bound = source.bounds[source.clips[set.clips.front()].bound];
+  std::optional<motion::ErrorMeter> scaled;
+  if (bound.all_points) scaled.emplace(source.skeleton, *bound.all_points);
   const DecodedSet decoded(set.stream, "the new clip set");
   const std::vector<int> nodes = nodes_of(set);
   double clip_bits = 0;
@@ -39,15 +47,17 @@ void judge(const Source& source, const CompressOptions& options, const motion::E
   parallel_for(set.clips.size(), options.threads, [&](std::size_t i) {
     const ClipSource& clip = source.clips[set.clips[i]];
     ClipResult& result = results[static_cast<std::size_t>(clip.animation)];
-    result.error = meter.report(clip.original, with_kept(clip, decoded.clip(i, nodes)));
+    const Animation shown = with_kept(clip, decoded.clip(i, nodes));
+    result.error = meter.report(clip.original, shown);
     result.frequencies = set.frequencies[i];
     result.seconds = set.seconds[i];
     result.candidates = set.candidates[i];
     result.keys_after =
         static_cast<std::size_t>(decoded.clip_bits(i) / 8 + shared_bytes / static_cast<double>(set.clips.size()));
     result.outcome = Outcome::compressed;
-    const double error = options.profile == Profile::paper ? result.error.max_joint : result.error.max;
-    if (!(error <= source.tolerance)) {
+    result.share_of_tolerance = share_of_tolerance(result.error, bound, options.profile);
+    if (scaled) result.share_of_tolerance = scaled->report(clip.original, shown).max / bound.tolerance;
+    if (!(result.share_of_tolerance <= 1)) {
       result.outcome = Outcome::kept_over_tolerance;
       result.reason = options.profile == Profile::paper ? "not within the tolerance at the most frequencies"
                                                         : "not within the tolerance";
@@ -154,17 +164,22 @@ bool has_flips(const motion::Clip& clip) {
   return false;
 }
 
-/// One set of all clips, another with finer steps for those that need it.
+/// For each bound one set of all clips that have it, another with finer steps for those that need it.
 std::vector<EncodedSet> encode_standard_sets(const Source& source, const CompressOptions& options,
                                              const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
-  std::vector<std::size_t> usual, fine;
-  for (std::size_t i = 0; i < source.clips.size(); ++i) (has_flips(source.clips[i].clip) ? fine : usual).push_back(i);
+  const int usual_precision = options.exact_ends ? StandardEncoder::exact_precision : StandardEncoder::usual_precision;
+  const int finest_precision = std::max(usual_precision, StandardEncoder::finest_precision);
   std::vector<EncodedSet> sets;
-  const std::vector<std::size_t> missed =
-      encode_standard_set(source, options, meter, usual, StandardEncoder::usual_precision, results, sets);
-  fine.insert(fine.end(), missed.begin(), missed.end());
-  std::sort(fine.begin(), fine.end());
-  encode_standard_set(source, options, meter, fine, StandardEncoder::finest_precision, results, sets);
+  for (std::size_t b = 0; b < source.bounds.size(); ++b) {
+    std::vector<std::size_t> usual, fine;
+    for (std::size_t i = 0; i < source.clips.size(); ++i)
+      if (source.clips[i].bound == b) (has_flips(source.clips[i].clip) ? fine : usual).push_back(i);
+    const std::vector<std::size_t> missed =
+        encode_standard_set(source, options, meter, usual, usual_precision, results, sets);
+    fine.insert(fine.end(), missed.begin(), missed.end());
+    std::sort(fine.begin(), fine.end());
+    encode_standard_set(source, options, meter, fine, finest_precision, results, sets);
+  }
   return sets;
 }
 
@@ -191,6 +206,7 @@ CompressResult compress(const gltf::Document& document, const CompressOptions& o
                                            : encode_standard_sets(source, options, meter, result.clips);
   result.document = document;
   if (!sets.empty()) result.notes = gltf::apply_compression(result.document, edit_of(source, sets, options));
+  for (std::string& sentence : unused_patterns(source, options)) result.notes.push_back(std::move(sentence));
   const std::vector<gltf::AnimationCost> after = gltf::animation_costs(result.document);
   const std::size_t compressed = static_cast<std::size_t>(std::count_if(
       result.clips.begin(), result.clips.end(), [](const ClipResult& c) { return c.outcome == Outcome::compressed; }));
@@ -203,7 +219,9 @@ CompressResult compress(const gltf::Document& document, const CompressOptions& o
     const bool taken = clip.outcome == Outcome::compressed;
     clip.keys_after = cost.key_bytes + (taken ? clip.keys_after : 0);
     clip.json_after = cost.json_bytes + (taken ? shared : 0);
-    if (!taken) clip.error = {};
+    if (taken) continue;
+    clip.error = {};
+    clip.share_of_tolerance = 0;
   }
   return result;
 }

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/progress.h"
 #include "codec/parts.h"
+#include "codec/rules.h"
 #include "gltf/asset.h"
 #include "gltf/document.h"
 #include "gltf/edit.h"
@@ -15,13 +17,6 @@
 #include "motion/skeleton.h"
 
 namespace nmc::codec {
-
-/// The error that a user accepts.
-struct Tolerance {
-  enum class Unit { fraction_of_size, world_units };
-  double value = 0.001;
-  Unit unit = Unit::fraction_of_size;
-};
 
 enum class Profile {
   standard,  ///< the smallest bytes that keep the tolerance on joints and skin
@@ -31,11 +26,14 @@ enum class Profile {
 struct CompressOptions {
   Profile profile = Profile::standard;
   Tolerance tolerance;
-  int max_frequencies = 40;       ///< paper profile: the largest K of Algorithm 1
-  double contact_weight = 3;      ///< standard profile: how often the error of points that stand still counts
-  int effort = 5;                 ///< standard profile: 1 (fast) to 9 (thorough)
-  double time_limit_seconds = 0;  ///< 0: none
-  int threads = 0;                ///< 0: all
+  std::vector<ToleranceRule> rules;  ///< standard profile: exceptions from it; the last that names a point counts
+  std::vector<Selector> keep;        ///< channels that stay as they are
+  bool exact_ends = false;           ///< standard profile: first and last pose within a hundredth of the tolerance
+  int max_frequencies = 40;          ///< paper profile: the largest K of Algorithm 1
+  double contact_weight = 3;         ///< standard profile: how often the error of points that stand still counts
+  int effort = 5;                    ///< standard profile: 1 (fast) to 9 (thorough)
+  double time_limit_seconds = 0;     ///< 0: none
+  int threads = 0;                   ///< 0: all
   gltf::Requirement requirement = gltf::Requirement::required;
   std::vector<std::string> exclude;  ///< names of animations that stay as they are
   bool record_candidates = false;    ///< measure and tell what was tried; the bytes stay the same
@@ -73,6 +71,7 @@ struct ClipResult {
   std::size_t json_after = 0;
   int frequencies = 0;                ///< largest number of frequencies that a pose uses
   motion::ErrorReport error;          ///< of the decoded bytes against the original; zero where the animation is kept
+  double share_of_tolerance = 0;      ///< the largest error of a point in units of that point's tolerance
   double seconds = 0;                 ///< time spent on it
   std::vector<Candidate> candidates;  ///< in the order of the search; where CompressOptions asks for them
 };
@@ -102,13 +101,17 @@ std::vector<Animation> all_animations(const gltf::Document& document, const gltf
 struct VerifiedClip {
   std::string name;
   motion::ErrorReport error;
+  double share_of_tolerance = 0;        ///< the largest error of a point in units of that point's tolerance
+  double joint_share_of_tolerance = 0;  ///< ErrorReport.max_joint in units of the clip's tolerance
 };
 struct Verification {
   double size = 1;
+  double tolerance = 0;  ///< in world units, where no rule makes an exception
   std::vector<VerifiedClip> clips;
 };
 /// Throws Error (invalid_input) when the documents have different nodes or animations.
-Verification verify(const gltf::Document& original, const gltf::Document& other);
+Verification verify(const gltf::Document& original, const gltf::Document& other, const Tolerance& tolerance = {},
+                    std::span<const ToleranceRule> rules = {});
 
 /// What is inside a compressed document.
 struct InspectedClip {

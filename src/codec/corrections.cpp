@@ -20,11 +20,6 @@ struct Candidate {
   Effect effect;    ///< of one unit of the atom's parameter
 };
 
-void sort_by_sample(std::vector<LevelAtom>& atoms) {
-  std::stable_sort(atoms.begin(), atoms.end(),
-                   [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
-}
-
 class Corrector {
  public:
   Corrector(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
@@ -57,7 +52,7 @@ class Corrector {
       while (largest().second > aim_) {
         if (clip_.atoms.size() >= most_atoms || ++changes > 2 * most_atoms || !add_atom()) return false;
       }
-      sort_atoms();
+      tidy_atoms(clip_.atoms);
     }
     return false;
   }
@@ -360,11 +355,6 @@ class Corrector {
       if (static_cast<double>(worst_square_(n)) > bound_ * bound_) restore_sample(n);
   }
 
-  void sort_atoms() {
-    std::erase_if(clip_.atoms, [](const LevelAtom& a) { return a.level == 0; });
-    sort_by_sample(clip_.atoms);
-  }
-
   LevelClip& clip_;
   const ClipLayout& layout_;
   const ParameterSteps& steps_;
@@ -387,7 +377,7 @@ class Corrector {
 bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
              double bound, const SampleRow& strictness, std::size_t most_atoms, int threads) {
   const bool reached = Corrector(clip, layout, steps, map, wanted, bound, strictness, threads).run(most_atoms);
-  sort_by_sample(clip.atoms);
+  tidy_atoms(clip.atoms);
   return reached;
 }
 

@@ -17,16 +17,21 @@ struct ReachSum {
   double mean() const { return samples > 0 ? std::sqrt(square / samples) : 0.0; }
 };
 
+const Bound& bound_of(const Source& source, const std::vector<std::size_t>& clips) {
+  return source.bounds[source.clips[clips.front()].bound];
+}
+
 /// Per target and slot: how far a unit moves the farthest point.
 std::vector<std::vector<double>> slot_reaches(const Source& source, const std::vector<std::size_t>& clips,
                                               const SetFrame& frame, int threads) {
   std::vector<std::vector<ReachSum>> sums;
   for (const NodeTarget& target : frame.targets) sums.emplace_back(static_cast<std::size_t>(target.width));
+  const Points& points = points_of(source, bound_of(source, clips));
   std::vector<ClipLayout> layouts(clips.size());
   std::vector<Eigen::VectorXd> reaches(clips.size());
   parallel_for(layouts.size(), threads, [&](std::size_t c) {
     layouts[c] = layout_clip(source.clips[clips[c]].clip, frame);
-    MotionMap map(source.skeleton, frame, layouts[c], source.points, layouts[c].values, FreeParameters::all);
+    MotionMap map(source.skeleton, frame, layouts[c], points, layouts[c].values, FreeParameters::all);
     map.linearise(layouts[c].values);
     reaches[c] = map.reach();
   });
@@ -84,7 +89,7 @@ SharedPart make_shared_part(const Source& source, const std::vector<std::size_t>
   SharedPart shared{mean_frame(source.skeleton, motions), {}};
   const std::vector<std::vector<double>> reaches = slot_reaches(source, clips, shared.frame, threads);
   ClipSet& set = shared.set;
-  set.base_step = static_cast<float>(source.tolerance / source.size);
+  set.base_step = static_cast<float>(bound_of(source, clips).tolerance / source.size);
   set.anchor_exponent = anchor_exponent;
   for (std::size_t t = 0; t < shared.frame.targets.size(); ++t) {
     const NodeTarget& target = shared.frame.targets[t];

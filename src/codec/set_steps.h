@@ -18,7 +18,7 @@ struct SharedPart {
 
 /// Steps: one tolerance over the root mean square (over samples and clips) of the farthest point's way per unit of the
 /// parameter; anchors and atoms have steps finer by 2^(-anchor_exponent / 4). Reference pose: the mean over the clips
-/// (indices into Source::clips).
+/// (indices into Source::clips, all with the same bound).
 SharedPart make_shared_part(const Source& source, const std::vector<std::size_t>& clips, int anchor_exponent,
                             int threads);
 

@@ -35,6 +35,37 @@ Points points_of_joints(const motion::Skeleton& skeleton) {
   return points;
 }
 
+bool is_kept(const std::string& clip, const Curve& curve, const motion::Skeleton& skeleton,
+             const CompressOptions& options) {
+  return std::any_of(options.keep.begin(), options.keep.end(), [&](const Selector& selector) {
+    return selects_clip(selector, clip) &&
+           selects_channel(selector, skeleton.names[static_cast<std::size_t>(curve.node)], curve.path);
+  });
+}
+
+/// The bounds that clips have, each made once.
+class Bounds {
+ public:
+  Bounds(Source& source, const CompressOptions& options) : source_(source), options_(options) {}
+
+  std::size_t of(const std::string& clip) {
+    std::vector<std::size_t> rules;
+    for (std::size_t r = 0; r < options_.rules.size(); ++r)
+      if (selects_clip(options_.rules[r].where, clip)) rules.push_back(r);
+    const auto [found, is_new] = made_.try_emplace(rules, source_.bounds.size());
+    if (is_new)
+      source_.bounds.push_back(
+          make_bound({source_.skeleton, source_.points, source_.all_points, source_.size, source_.tolerance},
+                     rules_for(options_.rules, clip)));
+    return found->second;
+  }
+
+ private:
+  Source& source_;
+  const CompressOptions& options_;
+  std::map<std::vector<std::size_t>, std::size_t> made_;
+};
+
 bool is_excluded(const std::string& name, const CompressOptions& options) {
   return std::find(options.exclude.begin(), options.exclude.end(), name) != options.exclude.end();
 }
@@ -122,8 +153,8 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
   }
   source.joint_points = source.skeleton.joints.empty() ? source.points : points_of_joints(source.skeleton);
   source.size = motion::character_size(source.skeleton, source.all_points);
-  source.tolerance = options.tolerance.unit == Tolerance::Unit::world_units ? options.tolerance.value
-                                                                            : options.tolerance.value * source.size;
+  source.tolerance = in_world_units(options.tolerance, source.size);
+  Bounds bounds(source, options);
   for (std::size_t i = 0; i < source.asset.animations.size(); ++i) {
     const gltf::AnimationSource& animation = source.asset.animations[i];
     ClipResult result;
@@ -139,16 +170,23 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     clip.animation = static_cast<int>(i);
     clip.name = animation.name;
     clip.original.name = clip.kept.name = animation.name;
+    clip.bound = bounds.of(animation.name);
+    const double tolerance = source.bounds[clip.bound].finest;
     std::vector<Curve> taken;
     for (const gltf::Channel& channel : animation.channels) {
-      clip.channels.push_back(channel.channel);
       clip.original.curves.push_back(channel.curve);
+      if (is_kept(animation.name, channel.curve, source.skeleton, options)) {
+        clip.kept.curves.push_back(channel.curve);
+        continue;
+      }
+      clip.channels.push_back(channel.channel);
       taken.push_back(channel.curve);
     }
     for (const gltf::UntouchedChannel& channel : animation.untouched) {
       if (channel.curve.node < 0) continue;
       clip.original.curves.push_back(channel.curve);
-      if (is_constant_enough(channel, source.tolerance, source.size)) {
+      if (is_constant_enough(channel, tolerance, source.size) &&
+          !is_kept(animation.name, channel.curve, source.skeleton, options)) {
         clip.channels.push_back(channel.channel);
         taken.push_back(held(channel.curve));
       } else {
@@ -156,10 +194,11 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
       }
     }
     if (taken.empty()) {
-      source.results.back().reason = animation.untouched.front().reason;
+      source.results.back().reason =
+          animation.channels.empty() ? animation.untouched.front().reason : "all its channels are to be kept";
       continue;
     }
-    clip.clip = make_clip(animation.name, taken, source.tolerance, source.size);
+    clip.clip = make_clip(animation.name, taken, tolerance, source.size);
     ClipResult& made = source.results.back();
     made.frames = clip.clip.times.size();
     made.joints = animated_nodes(clip.clip);
@@ -167,6 +206,29 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     source.clips.push_back(std::move(clip));
   }
   return source;
+}
+
+const Points& points_of(const Source& source, const Bound& bound) {
+  return bound.points ? *bound.points : source.points;
+}
+
+const Points& all_points_of(const Source& source, const Bound& bound) {
+  return bound.all_points ? *bound.all_points : source.all_points;
+}
+
+std::vector<std::string> unused_patterns(const Source& source, const CompressOptions& options) {
+  std::vector<std::string> sentences;
+  const auto check = [&](const Selector& where) {
+    const bool clip = std::any_of(source.results.begin(), source.results.end(),
+                                  [&](const ClipResult& c) { return selects_clip(where, c.name); });
+    const bool joint = std::any_of(source.skeleton.names.begin(), source.skeleton.names.end(),
+                                   [&](const auto& name) { return where.joint.empty() || matches(where.joint, name); });
+    if (!clip) sentences.push_back("no animation's name fits '" + where.clip + "'");
+    if (!joint) sentences.push_back("no node's name fits '" + where.joint + "'");
+  };
+  for (const ToleranceRule& rule : options.rules) check(rule.where);
+  for (const Selector& selector : options.keep) check(selector);
+  return sentences;
 }
 
 Animation with_kept(const ClipSource& source, const motion::Clip& decoded) {

@@ -6,6 +6,7 @@
 
 #include "base/animation.h"
 #include "base/points.h"
+#include "codec/bound.h"
 #include "codec/compress.h"
 #include "gltf/asset.h"
 #include "motion/clip.h"
@@ -21,6 +22,7 @@ struct ClipSource {
   Animation original;         ///< all readable curves, also those that stay
   Animation kept;             ///< the curves that stay in the file beside the clip
   motion::Clip clip;          ///< the taken curves on a common time grid
+  std::size_t bound = 0;      ///< index into Source::bounds
 };
 
 struct Source {
@@ -30,13 +32,21 @@ struct Source {
   Points joint_points;              ///< joints alone (the paper's error); the same as `points` where there is no skin
   Points all_points;                ///< joints and every vertex, for the last check
   double size = 1;                  ///< world units
-  double tolerance = 0;             ///< world units
+  double tolerance = 0;             ///< world units, where no rule makes an exception
+  std::vector<Bound> bounds;        ///< those that the clips have
   std::vector<ClipSource> clips;    ///< one per animation of the file that has something to take
   std::vector<ClipResult> results;  ///< one per animation of the file, filled as far as known before coding
 };
 
 /// Reads and samples. Throws Error as gltf::read_asset does.
 Source read_source(const gltf::Document& document, const CompressOptions& options);
+
+/// The points of a bound, scaled to its tolerance: extreme vertices, and every one.
+const Points& points_of(const Source& source, const Bound& bound);
+const Points& all_points_of(const Source& source, const Bound& bound);
+
+/// A sentence for each pattern of the options that fits no clip, or no joint, of the source.
+std::vector<std::string> unused_patterns(const Source& source, const CompressOptions& options);
 
 /// A decoded clip of `source` with the curves that stay beside it: what a player shows.
 Animation with_kept(const ClipSource& source, const motion::Clip& decoded);

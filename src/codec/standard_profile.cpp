@@ -58,17 +58,20 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
   const auto start = std::chrono::steady_clock::now();
   const std::size_t count = clips.size();
   if (count == 0) return;
-  const motion::ErrorMeter meter(source.skeleton, source.all_points);
+  const Bound& bound = source.bounds[source.clips[clips.front()].bound];
+  const motion::ErrorMeter meter(source.skeleton, all_points_of(source, bound));
   SharedPart shared = make_shared_part(source, clips, precision, options.threads);
   const int threads = options.threads > 0 ? options.threads : hardware_threads();
   const SearchContext context{
       .source = source,
+      .bound = bound,
       .frame = shared.frame,
       .set = shared.set,
       .meter = meter,
       .is_late = [&] { return options.time_limit_seconds > 0 && seconds_since(start) > options.time_limit_seconds; },
       .effort = options.effort,
       .threads = std::max(1, threads / static_cast<int>(std::min<std::size_t>(count, 64))),
+      .exact_ends = options.exact_ends,
       .parts = options.parts};
   std::vector<LevelClip> levels(count);
   seconds_.resize(count);

@@ -18,7 +18,10 @@ class StandardEncoder {
   static constexpr int usual_precision = 10;
   static constexpr int finest_precision = 30;
 
-  /// `clips` are indices into Source::clips, ascending.
+  /// Precision for first and last poses that are to be exact.
+  static constexpr int exact_precision = 40;
+
+  /// `clips` are indices into Source::clips, ascending; all have the same bound.
   StandardEncoder(const Source& source, const CompressOptions& options, const std::vector<std::size_t>& clips,
                   int precision);
 

@@ -1,5 +1,8 @@
 // Compares the animations of two files.
+#include <utility>
+
 #include "base/error.h"
+#include "codec/bound.h"
 #include "codec/compress.h"
 #include "codec/matching.h"
 
@@ -27,7 +30,8 @@ std::size_t find_match(const gltf::Document& a, const std::vector<Animation>& or
               b.name + ": animation \"" + original[index].name + "\" of " + a.name + " is missing");
 }
 
-Verification verify(const gltf::Document& original, const gltf::Document& other) {
+Verification verify(const gltf::Document& original, const gltf::Document& other, const Tolerance& tolerance,
+                    std::span<const ToleranceRule> rules) {
   const gltf::Asset a = gltf::read_asset(original), b = gltf::read_asset(other);
   check_nodes(original, a, other, b);
   const motion::Skeleton skeleton = make_skeleton(a);
@@ -36,10 +40,19 @@ Verification verify(const gltf::Document& original, const gltf::Document& other)
   const std::vector<Animation> wanted = all_animations(original, a), got = all_animations(other, b);
   Verification result;
   result.size = motion::character_size(skeleton, points);
+  result.tolerance = in_world_units(tolerance, result.size);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const std::size_t found = find_match(original, wanted, other, got, i);
     if (wanted[i].curves.empty()) continue;
-    result.clips.push_back({wanted[i].name, meter.report(wanted[i], got[found])});
+    const Animation& shown = got[found];
+    const Bound bound =
+        make_bound({skeleton, {}, points, result.size, result.tolerance}, rules_for(rules, wanted[i].name));
+    VerifiedClip clip{wanted[i].name, meter.report(wanted[i], shown), 0, 0};
+    clip.joint_share_of_tolerance = clip.error.max_joint / bound.tolerance;
+    const double largest =
+        bound.all_points ? motion::measure_error(skeleton, *bound.all_points, wanted[i], shown).max : clip.error.max;
+    clip.share_of_tolerance = largest / bound.tolerance;
+    result.clips.push_back(std::move(clip));
   }
   return result;
 }

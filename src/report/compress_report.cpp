@@ -102,7 +102,8 @@ Json clip_json(const ClipResult& clip, double size, const CompressContext& conte
             {"key_bytes_after", clip.keys_after},
             {"json_bytes_after", clip.json_after},
             {"frequencies", clip.frequencies},
-            {"seconds_spent", clip.seconds}};
+            {"seconds_spent", clip.seconds},
+            {"share_of_tolerance", clip.share_of_tolerance}};
   json["error"] = error_json(clip.error, size, context.node_names);
   return json;
 }

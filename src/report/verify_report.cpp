@@ -16,13 +16,13 @@ using codec::VerifiedClip;
 
 }  // namespace
 
-bool holds(const motion::ErrorReport& error, const VerifyContext& context) {
-  return (context.joints_alone ? error.max_joint : error.max) <= context.tolerance;
+bool holds(const VerifiedClip& clip, const VerifyContext& context) {
+  return (context.joints_alone ? clip.joint_share_of_tolerance : clip.share_of_tolerance) <= 1;
 }
 
 bool holds(const Verification& result, const VerifyContext& context) {
   return std::all_of(result.clips.begin(), result.clips.end(),
-                     [&](const VerifiedClip& c) { return holds(c.error, context); });
+                     [&](const VerifiedClip& c) { return holds(c, context); });
 }
 
 std::string verify_text(const Verification& result, const VerifyContext& context) {
@@ -43,18 +43,18 @@ std::string verify_text(const Verification& result, const VerifyContext& context
       const auto percent = [&](double length) { return format_percent(length / result.size); };
       errors.add_row({clip.name, percent(e.max), format_length(e.max), percent(e.max_joint), percent(e.mean),
                       percent(e.percentile_99), node_label(context.node_names, e.max_node),
-                      format_seconds(e.max_seconds), holds(e, context) ? "yes" : "NO"});
+                      format_seconds(e.max_seconds), holds(clip, context) ? "yes" : "NO"});
       motion.add_row({clip.name, fmt::format("{:.3g} deg", e.max_rotation_degrees), format_length(e.jitter),
                       format_length(e.loop_seam), format_length(e.contact_drift)});
     }
     out += fmt::format("\n{}\n{}\n", errors.text(), motion.text());
   }
   const auto over =
-      std::count_if(result.clips.begin(), result.clips.end(), [&](const auto& c) { return !holds(c.error, context); });
+      std::count_if(result.clips.begin(), result.clips.end(), [&](const auto& c) { return !holds(c, context); });
   const std::string bound =
-      fmt::format("the tolerance {} = {} of the character's size ({}){}", format_length(context.tolerance),
-                  format_percent(context.tolerance / result.size), format_length(result.size),
-                  context.joints_alone ? ", on joints alone," : "");
+      fmt::format("the tolerance {} = {} of the character's size ({}){}{}", format_length(result.tolerance),
+                  format_percent(result.tolerance / result.size), format_length(result.size),
+                  context.has_exceptions ? ", with exceptions," : "", context.joints_alone ? ", on joints alone," : "");
   if (over == 0) return out + fmt::format("{} holds for all {} animations\n", bound, result.clips.size());
   return out + fmt::format("{} does not hold for {} of {} animations\n", bound, over, result.clips.size());
 }
@@ -65,13 +65,16 @@ nlohmann::ordered_json verify_json(const Verification& result, const VerifyConte
                               {"original", context.original},
                               {"file", context.other},
                               {"size_world_units", result.size},
-                              {"tolerance_world_units", context.tolerance},
-                              {"tolerance_fraction_of_size", context.tolerance / result.size},
+                              {"tolerance_world_units", result.tolerance},
+                              {"tolerance_fraction_of_size", result.tolerance / result.size},
                               {"joints_alone", context.joints_alone},
                               {"holds", holds(result, context)}};
   json["animations"] = nlohmann::ordered_json::array();
   for (const VerifiedClip& clip : result.clips) {
-    nlohmann::ordered_json row{{"name", clip.name}, {"holds", holds(clip.error, context)}};
+    nlohmann::ordered_json row{
+        {"name", clip.name},
+        {"holds", holds(clip, context)},
+        {"share_of_tolerance", context.joints_alone ? clip.joint_share_of_tolerance : clip.share_of_tolerance}};
     row["error"] = error_json(clip.error, result.size, context.node_names);
     json["animations"].push_back(std::move(row));
   }

@@ -13,13 +13,13 @@ struct VerifyContext {
   std::string version;
   std::string original;
   std::string other;
-  double tolerance = 0;       ///< in world units
-  bool joints_alone = false;  ///< the tolerance holds for skin joints only, not for the skin (the paper's measure)
+  bool has_exceptions = false;  ///< some channels have a tolerance of their own
+  bool joints_alone = false;    ///< the tolerance holds for skin joints only, not for the skin (the paper's measure)
   std::vector<std::string> node_names;
 };
 
 /// Whether the tolerance holds for one animation, for all. An error that is not a number does not hold.
-bool holds(const motion::ErrorReport& error, const VerifyContext& context);
+bool holds(const codec::VerifiedClip& clip, const VerifyContext& context);
 bool holds(const codec::Verification& result, const VerifyContext& context);
 
 std::string verify_text(const codec::Verification& result, const VerifyContext& context);

@@ -42,8 +42,8 @@ TEST(ParseTolerance, RefusesTheRest) {
 }
 
 TEST(ParseTolerance, InWorldUnits) {
-  EXPECT_DOUBLE_EQ(in_world_units(parse_tolerance("0.1%"), 180), 0.18);
-  EXPECT_DOUBLE_EQ(in_world_units(parse_tolerance("2mm"), 180), 0.002);
+  EXPECT_DOUBLE_EQ(codec::in_world_units(parse_tolerance("0.1%"), 180), 0.18);
+  EXPECT_DOUBLE_EQ(codec::in_world_units(parse_tolerance("2mm"), 180), 0.002);
 }
 
 }  // namespace
