@@ -30,6 +30,6 @@ nmc_build() {
   [ "$preset" = release ] || folder=$nmc_root/build-$preset
   local generator=()
   [ -f "$folder/CMakeCache.txt" ] || generator=(-G Ninja)
-  (cd "$nmc_root" && cmake --preset "$preset" "${generator[@]}" >/dev/null &&
+  (cd "$nmc_root" && cmake --preset "$preset" -DNMC_PRECOMPILE=ON "${generator[@]}" >/dev/null &&
     cmake --build --preset "$preset" --parallel "$(nproc)" ${1:+--target "$@"})
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # tests/run.sh [--sanitize] [--filter REGEX]
 # Builds gltf-nmc and runs all its tests. The last line is "N passed, N failed[, N skipped]"; the exit code is 0 when none failed.
-#   --sanitize       build with AddressSanitizer and UndefinedBehaviorSanitizer, warnings as errors (build-debug/)
+#   --sanitize       build with Clang, AddressSanitizer and UndefinedBehaviorSanitizer, warnings as errors (build-debug/)
 #   --filter REGEX   only the C++ tests whose names match
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -21,6 +21,7 @@ done
 # shellcheck source=samples/setup.sh
 source samples/setup.sh
 nmc_need_packages "${nmc_build_packages[@]}"
+[ "$preset" = release ] || nmc_need_packages clang libclang-rt-dev
 command -v npm > /dev/null || nmc_need_packages nodejs npm
 
 echo "== node packages of the tests"

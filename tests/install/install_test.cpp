@@ -76,8 +76,9 @@ TEST_F(Install, TheDecoderIsFoundByPkgConfig) {
 TEST_F(Install, TheLibraryIsFoundByFindPackage) {
   install("decoder");
   install("nmc");
-  // A library that was built with sanitizers needs their run-time parts in whatever links it.
-  build_with_cmake(sanitized ? "-DWITH_LIBRARY=ON -DCMAKE_EXE_LINKER_FLAGS=-fsanitize=address,undefined"
+  // A library that was built with sanitizers needs their run-time parts, of the same compiler, in whatever links it.
+  build_with_cmake(sanitized ? "-DWITH_LIBRARY=ON -DCMAKE_EXE_LINKER_FLAGS=-fsanitize=address,undefined "
+                               "-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++"
                              : "-DWITH_LIBRARY=ON");
   expect_first_pose(folder_.file("build/consumer"));
   EXPECT_EQ(run_process({folder_.file("build/library_consumer")}).exit_code, 0);
