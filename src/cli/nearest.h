@@ -11,7 +11,7 @@ namespace nmc::cli {
 /// third of the word differs).
 std::string nearest(std::string_view word, std::span<const std::string> candidates);
 
-/// "; did you mean 'NEAREST'?", or nothing.
+/// " (did you mean 'NEAREST'?)", or nothing.
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
 
 }  // namespace nmc::cli

@@ -124,15 +124,14 @@ TEST(CompressReport, JsonCountsKeysAndJson) {
 
 TEST(VerifyReport, AnErrorThatIsNoNumberDoesNotHold) {
   VerifyContext context;
-  context.tolerance = 1;
-  motion::ErrorReport error;
-  EXPECT_TRUE(holds(error, context));
-  error.max = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(holds(error, context));
-  error.max = 2;
-  EXPECT_FALSE(holds(error, context));
+  codec::VerifiedClip clip;
+  EXPECT_TRUE(holds(clip, context));
+  clip.share_of_tolerance = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(holds(clip, context));
+  clip.share_of_tolerance = 2;
+  EXPECT_FALSE(holds(clip, context));
   context.joints_alone = true;
-  EXPECT_TRUE(holds(error, context));
+  EXPECT_TRUE(holds(clip, context));
 }
 
 }  // namespace

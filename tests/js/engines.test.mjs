@@ -76,6 +76,36 @@ test('Babylon.js plays a compressed file', { skip: noTool }, async () => {
   scene.getEngine().dispose();
 });
 
+test('the plug-ins of Babylon.js and glTF-Transform read with either decoder, and refuse one that there is not', { skip: noTool }, async () => {
+  const bytes = new Uint8Array(readFileSync(files[1]));
+  const { registerGLTFExtension } = await load('@babylonjs/loaders/glTF/2.0/index.js');
+  const { EXTENSION, nmcExtension, nmcExtensionWith } = await load('gltf-nmc/babylon');
+  const { LoadAssetContainerAsync } = await load('@babylonjs/core/Loading/sceneLoader.js');
+  const { NullEngine } = await load('@babylonjs/core/Engines/nullEngine.js');
+  const { Scene } = await load('@babylonjs/core/scene.js');
+  const { WebIO } = await load('@gltf-transform/core');
+  const { NMCAnimationCompression } = await load('gltf-nmc/gltf-transform');
+  const babylon = (decoder) => {
+    registerGLTFExtension(EXTENSION, true, nmcExtensionWith({ decoder }));
+    return LoadAssetContainerAsync(bytes, new Scene(new NullEngine()), { pluginExtension: '.glb' });
+  };
+  const transform = (decoder) => {
+    NMCAnimationCompression.decoder = decoder;
+    return new WebIO().registerExtensions([NMCAnimationCompression]).readBinary(bytes);
+  };
+  try {
+    for (const decoder of ['js', 'wasm']) {
+      assert.ok((await babylon(decoder)).animationGroups[0].targetedAnimations.length > 1);
+      assert.ok((await transform(decoder)).getRoot().listAnimations()[0].listChannels().length > 1);
+    }
+    await assert.rejects(babylon('fast'), /no decoder fast/);
+    await assert.rejects(transform('fast'), /no decoder fast/);
+  } finally {
+    registerGLTFExtension(EXTENSION, true, nmcExtension);
+    NMCAnimationCompression.decoder = 'auto';
+  }
+});
+
 test('glTF-Transform reads a compressed file and writes a plain one', { skip: noTool }, async () => {
   const { WebIO } = await load('@gltf-transform/core');
   const { NMCAnimationCompression } = await load('gltf-nmc/gltf-transform');

@@ -12,9 +12,18 @@ export function nmcExtension(loader) {
   return new NmcAnimationExtension(loader);
 }
 
+/**
+ * The same with options: `registerGLTFExtension(EXTENSION, true, nmcExtensionWith({ decoder: 'js' }))`.
+ * @param {{decoder?: string}} options as in openSet
+ */
+export function nmcExtensionWith({ decoder }) {
+  return (loader) => new NmcAnimationExtension(loader, decoder);
+}
+
 /** Gives the loader plain channels, whose accessors lie in bufferViews that only this extension can read. */
 class NmcAnimationExtension {
-  constructor(loader) {
+  constructor(loader, decoder) {
+    this.decoder = decoder;
     this.name = EXTENSION;
     this.enabled = loader.isExtensionUsed(EXTENSION);
     this.loader = loader;
@@ -82,6 +91,6 @@ class NmcAnimationExtension {
     rootExtension(gltf);
     const view = clipSetView(gltf, index);
     const bytes = await this.loader.loadBufferViewAsync(`/bufferViews/${view}`, gltf.bufferViews[view]);
-    return openClipSet(gltf, index, new Uint8Array(bytes.buffer, bytes.byteOffset, bytes.byteLength));
+    return openClipSet(gltf, index, new Uint8Array(bytes.buffer, bytes.byteOffset, bytes.byteLength), { decoder: this.decoder });
   }
 }

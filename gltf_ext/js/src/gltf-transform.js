@@ -8,6 +8,8 @@ const TYPES = { translation: 'VEC3', rotation: 'VEC4', scale: 'VEC3', weights: '
 export class NMCAnimationCompression extends Extension {
   static EXTENSION_NAME = EXTENSION;
   extensionName = EXTENSION;
+  /** Which decoder reads, as in openSet; to be set before reading. */
+  static decoder = 'auto';
 
   /** The hook of the reader. */
   read(context) {
@@ -49,7 +51,7 @@ export class NMCAnimationCompression extends Extension {
 function openSet(context, index) {
   const { json } = context.jsonDoc;
   const view = clipSetView(json, index);
-  return { ...openClipSet(json, index, context.bufferViews[view]), buffer: context.bufferViewBuffers[view] };
+  return { ...openClipSet(json, index, context.bufferViews[view], { decoder: NMCAnimationCompression.decoder }), buffer: context.bufferViewBuffers[view] };
 }
 
 /** Takes the stub's channel away, and what only it used. */
