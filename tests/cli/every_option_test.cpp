@@ -14,7 +14,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Words = std::vector<std::string>;
 
-/// One option of one command. IN, PACKED, BVH are files that exist, OUT and DIR names that are free.
+/// One option of one command. IN, PACKED, BVH and SETTINGS are files that exist, OUT and DIR names that are free.
 struct Row {
   std::string command;
   std::string option;
@@ -45,6 +45,30 @@ const std::vector<Row>& rows() {
        {"IN", "OUT.glb", "--tolerance", "2%"},
        "= 2% of",
        {"IN", "OUT.glb", "--tolerance", "2"},
+       "no unit"},
+      {"compress",
+       "--settings",
+       {"IN", "OUT.glb", "--settings", "SETTINGS"},
+       "= 2% of",
+       {"IN", "OUT.glb", "--settings"},
+       ""},
+      {"compress",
+       "--keep",
+       {"IN", "OUT.glb", "--keep", "tip"},
+       "ratio",
+       {"IN", "OUT.glb", "--keep", "channel=turn"},
+       "'turn'"},
+      {"compress",
+       "--exact-ends",
+       {"IN", "OUT.glb", "--exact-ends"},
+       "ratio",
+       {"IN", "OUT.glb", "--exact-ends", "--profile", "paper"},
+       "paper"},
+      {"compress",
+       "--target-size",
+       {"IN", "OUT.glb", "--target-size", "2KB"},
+       "ratio",
+       {"IN", "OUT.glb", "--target-size", "40"},
        "no unit"},
       {"compress",
        "--exclude",
@@ -189,6 +213,12 @@ const std::vector<Row>& rows() {
        {"verify", "IN", "IN", "--tolerance", "5"},
        "no unit"},
       {"verify",
+       "--settings",
+       {"verify", "IN", "PACKED", "--settings", "SETTINGS"},
+       "2% of",
+       {"verify", "IN", "IN", "--settings"},
+       ""},
+      {"verify",
        "--joints",
        {"verify", "IN", "PACKED", "--joints"},
        "on joints alone",
@@ -313,6 +343,8 @@ class EveryOption : public CommandLine {
     input("in.glb", TinyGlb(9).bytes());
     run_well({file("in.glb"), file("packed.glb"), "-q"});
     inputs_["packed.glb"] = read_bytes(file("packed.glb"));
+    const std::string settings = "{\"tolerance\": \"2%\"}";
+    input("settings.json", Bytes(settings.begin(), settings.end()));
     const std::string bvh =
         "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 "
         "0\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.1\n0 0 0\n1 2 3\n";
@@ -324,6 +356,7 @@ class EveryOption : public CommandLine {
       if (word == "IN") word = file("in.glb");
       if (word == "PACKED") word = file("packed.glb");
       if (word == "BVH") word = file("in.bvh");
+      if (word == "SETTINGS") word = file("settings.json");
       if (word.starts_with("OUT.") || word.starts_with("DIR")) word = file(word);
     }
     return words;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "codec/bound.h"
 
 namespace nmc::cli {
 namespace {
