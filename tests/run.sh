@@ -76,20 +76,19 @@ run_cpp_tests
 # Sanitizers watch C++ alone, and the tool is ten times slower under them.
 [ -n "$filter" ] || [ "$preset" != release ] || NMC_TOOL=$build/gltf-nmc run_node_tests tests/js
 
-# The fuzzers have sanitizers of their own.
+# The fuzzers belong to the build with sanitizers.
 run_fuzzers() {
   local log=$build/fuzz.log
   echo "== fuzzers"
-  bash tests/fuzz/run.sh --seconds 60 bvh decoder gltf 2>&1 | tee "$log" || true
-  if [[ "$(tail -1 "$log")" =~ ^([0-9]+)\ passed,\ ([0-9]+)\ failed(,\ ([0-9]+)\ skipped)?$ ]]; then
+  bash tests/fuzz/run.sh --seconds 60 2>&1 | tee "$log" || true
+  if [[ "$(tail -1 "$log")" =~ ^([0-9]+)\ passed,\ ([0-9]+)\ failed$ ]]; then
     passed=$((passed + BASH_REMATCH[1]))
     failed=$((failed + BASH_REMATCH[2]))
-    skipped=$((skipped + ${BASH_REMATCH[4]:-0}))
   else
     failed=$((failed + 1))
   fi
 }
-[ -n "$filter" ] || [ "$preset" != release ] || run_fuzzers
+[ -n "$filter" ] || [ "$preset" = release ] || run_fuzzers
 
 if [ "$skipped" -gt 0 ]; then
   echo "$passed passed, $failed failed, $skipped skipped"

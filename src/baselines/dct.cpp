@@ -26,7 +26,8 @@ class ClipTransform {
       : context_(context),
         clip_(context.source.clips[index]),
         prepared_(prepare_clip(context, index, 1)),
-        map_(context.source.skeleton, context.frame, prepared_.layout, context.source.points, prepared_.coded) {}
+        map_(context.source.skeleton, context.frame, prepared_.layout, points_of(context.source, context.bound),
+             prepared_.coded) {}
 
   /// None where the finest step is not within the tolerance.
   std::optional<LevelClip> coarsest_within_bound() {
@@ -55,12 +56,12 @@ class ClipTransform {
          .steps = &prepared_.steps,
          .offset = &prepared_.offset,
          .emphasis = &prepared_.emphasis,
-         .tolerance = context_.source.tolerance,
+         .tolerance = context_.bound.tolerance,
          .threads = context_.threads},
         map_, {.basis = Basis::cosine, .boundaries = {0, samples}, .step_exponent = step_exponent, .iterations = 0});
     made.levels.times = clip_.clip.times;
     made.levels.states = prepared_.layout.states;
-    if (error_of(made.levels) > 0.999 * context_.source.tolerance) return std::nullopt;
+    if (error_of(made.levels) > 0.999 * context_.bound.tolerance) return std::nullopt;
     return std::move(made.levels);
   }
 
@@ -88,10 +89,12 @@ struct TransformedSet {
 TransformedSet transform(const Source& source, const motion::ErrorMeter& meter, const std::vector<std::size_t>& clips,
                          int precision, int threads) {
   TransformedSet result{make_shared_part(source, clips, precision, threads), {}};
-  const SearchContext context{
-      .source = source, .frame = result.shared.frame, .set = result.shared.set, .meter = meter, .is_late = [] {
-        return false;
-      }};
+  const SearchContext context{.source = source,
+                              .bound = source.bounds.front(),
+                              .frame = result.shared.frame,
+                              .set = result.shared.set,
+                              .meter = meter,
+                              .is_late = [] { return false; }};
   std::vector<std::optional<LevelClip>> levels(clips.size());
   parallel_for(clips.size(), threads,
                [&](std::size_t i) { levels[i] = ClipTransform(context, clips[i]).coarsest_within_bound(); });
@@ -118,8 +121,7 @@ class DctEncoder : public Encoder {
   DctEncoder(const Source& source, const EncodeSettings& settings) : source_(source), threads_(settings.threads) {}
 
   Bytes encode(double knob) override {
-    Source source = source_;
-    source.tolerance = knob * source.size;
+    const Source source = codec::with_tolerance(source_, knob * source_.size);
     return write_sets(encode_dct(source, threads_), source.clips.size());
   }
 

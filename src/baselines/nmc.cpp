@@ -28,8 +28,7 @@ class NmcEncoder : public Encoder {
   NmcEncoder(const Source& source, const EncodeSettings& settings) : source_(source), settings_(settings) {}
 
   Bytes encode(double knob) override {
-    Source source = source_;
-    source.tolerance = knob * source.size;
+    const Source source = codec::with_tolerance(source_, knob * source_.size);
     codec::CompressOptions options;
     options.tolerance = {source.tolerance, codec::Tolerance::Unit::world_units};
     options.effort = settings_.effort;
@@ -97,8 +96,7 @@ class PaperEncoder : public Encoder {
 
   void train() {
     ways_.resize(source_.clips.size());
-    Source strict = source_;
-    strict.tolerance = 0;  // no network ends the search
+    const Source strict = codec::with_tolerance(source_, 0);  // no network ends the search
     const motion::ErrorMeter meter(source_.skeleton, source_.all_points);
     parallel_for(ways_.size(), threads_, [&](std::size_t i) {
       codec::CompressOptions options;

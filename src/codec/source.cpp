@@ -208,6 +208,13 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
   return source;
 }
 
+Source with_tolerance(Source source, double tolerance) {
+  source.tolerance = tolerance;
+  source.bounds = {{tolerance, tolerance, {}, {}}};
+  for (ClipSource& clip : source.clips) clip.bound = 0;
+  return source;
+}
+
 const Points& points_of(const Source& source, const Bound& bound) {
   return bound.points ? *bound.points : source.points;
 }

@@ -41,6 +41,9 @@ struct Source {
 /// Reads and samples. Throws Error as gltf::read_asset does.
 Source read_source(const gltf::Document& document, const CompressOptions& options);
 
+/// The same source with one tolerance (world units) for everything.
+Source with_tolerance(Source source, double tolerance);
+
 /// The points of a bound, scaled to its tolerance: extreme vertices, and every one.
 const Points& points_of(const Source& source, const Bound& bound);
 const Points& all_points_of(const Source& source, const Bound& bound);

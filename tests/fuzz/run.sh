@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # tests/fuzz/run.sh [--seconds N] [NAME...]
-# Builds the fuzzers with Clang and its sanitizers (build-fuzz/) and runs them, two at a time. For each a line tells executions, coverage (edges of
-# the code's graph) and inputs kept; what crashes is left as build-fuzz/crash-NAME-*. The last line is "N passed, N failed[, N skipped]".
-#   --seconds N   how long each runs (default 60); a night: tests/fuzz/run.sh --seconds 28800. What was found stays in build-fuzz/corpus/.
+# Builds the fuzzers with Clang and its sanitizers (preset debug) and runs them, two at a time. For each a line tells executions, coverage (edges of
+# the code's graph) and inputs kept; what crashes is left as build-debug/fuzz/crash-NAME-*. The last line is "N passed, N failed".
+#   --seconds N   how long each runs (default 60); a night: tests/fuzz/run.sh --seconds 28800. What was found stays in build-debug/fuzz/corpus/.
 #   NAME          bvh, decoder, gltf, round_trip (default all)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -19,19 +19,12 @@ while [ $# -gt 0 ]; do
 done
 [ ${#names[@]} -gt 0 ] || names=(bvh decoder gltf round_trip)
 
-if ! command -v clang++ > /dev/null; then
-  echo "Clang is not installed: the fuzzers are not run"
-  echo "0 passed, 0 failed, ${#names[@]} skipped"
-  exit 0
-fi
-
-build=build-fuzz
-launcher=()
-[ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ] || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER="$CMAKE_CXX_COMPILER_LAUNCHER")
-cmake -S . -B "$build" -G Ninja -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_BUILD_TYPE=Debug \
-  -DCMAKE_CXX_FLAGS_DEBUG="-O1 -gline-tables-only" -DNMC_BUILD_FUZZERS=ON -DNMC_WERROR=ON -DNMC_BUILD_SAMPLES=OFF -DNMC_BUILD_BENCH=OFF \
-  -DBUILD_TESTING=OFF "${launcher[@]}" > /dev/null
-cmake --build "$build" --parallel "$(nproc)" --target "${names[@]/#/fuzz_}"
+# shellcheck source=../../samples/setup.sh
+source samples/setup.sh
+nmc_need_packages "${nmc_build_packages[@]}" clang libclang-rt-dev
+nmc_build debug "${names[@]/#/fuzz_}"
+programs=build-debug build=build-debug/fuzz
+mkdir -p "$build"
 
 # Draco comes without the sanitizers' marks in its vectors, which then look as if they overflowed.
 export ASAN_OPTIONS=detect_container_overflow=0:${ASAN_OPTIONS:-}
@@ -43,14 +36,14 @@ run_one() {
   [ ! -d "tests/fuzz/seeds/$name" ] || seeds=("tests/fuzz/seeds/$name")
   [ "$name" != decoder ] || seeds=(tests/golden/good tests/golden/bad)
   local code=0
-  "$build/fuzz_$name" -max_total_time="$seconds" -timeout=25 -rss_limit_mb=2048 -max_len=16384 -seed=1 -print_final_stats=1 "${dictionary[@]}" \
-    -artifact_prefix="$build/crash-$name-" "$corpus" "${seeds[@]}" > "$build/fuzz_$name.log" 2>&1 || code=$?
+  "$programs/fuzz_$name" -max_total_time="$seconds" -timeout=25 -rss_limit_mb=2048 -max_len=16384 -seed=1 -print_final_stats=1 "${dictionary[@]}" \
+    -artifact_prefix="$build/crash-$name-" "$corpus" "${seeds[@]}" > "$build/$name.log" 2>&1 || code=$?
   local executions last
-  executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$build/fuzz_$name.log")
-  last=$(grep -oE 'cov: [0-9]+ ft: [0-9]+ corp: [0-9]+' "$build/fuzz_$name.log" | tail -1)
+  executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$build/$name.log")
+  last=$(grep -oE 'cov: [0-9]+ ft: [0-9]+ corp: [0-9]+' "$build/$name.log" | tail -1)
   echo "$name: ${executions:-0} executions, ${last:-no coverage}"
   if [ "$code" -ne 0 ]; then
-    tail -40 "$build/fuzz_$name.log" >&2
+    tail -40 "$build/$name.log" >&2
     touch "$build/failed-$name"
   fi
 }
