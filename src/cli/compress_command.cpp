@@ -308,9 +308,8 @@ int run_one(const Arguments& a, const Settings& settings, const Outputs& outputs
 }
 
 int run(const Arguments& a, const SettingsArguments& given) {
-  if (a.quiet && a.verbose)
-    throw Error(ErrorCode::usage, "--quiet and --verbose contradict each other: give one of them.");
   const Settings settings = read_settings(given);
+  refuse_contradictions(a, settings);
   const Outputs outputs = plan_outputs(a.files, a.output);
   if (!outputs.folder.empty() && !a.report.empty())
     throw Error(ErrorCode::usage, "--report is about one file: name one input and the file to write.");
