@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
 # tests/run.sh [--sanitize] [--filter REGEX]
 # Builds gltf-nmc and runs all its tests. The last line is "N passed, N failed[, N skipped]"; the exit code is 0 when none failed.
-#   --sanitize       build with Clang, AddressSanitizer and UndefinedBehaviorSanitizer, warnings as errors (build-debug/)
+#   --sanitize       the C++ tests with Clang, AddressSanitizer and UndefinedBehaviorSanitizer, warnings as errors (build-debug/), and the fuzzers;
+#                    of the optimised build the programs, the tests in JavaScript, and those in C++ that sanitizers make too slow
 #   --filter REGEX   only the C++ tests whose names match
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 preset=release
-build=build
 filter=
 while [ $# -gt 0 ]; do
   case "$1" in
-    --sanitize) preset=debug build=build-debug ;;
+    --sanitize) preset=debug ;;
     --filter) filter=${2:?--filter needs a regular expression}; shift ;;
-    *) sed -n '2,5s/^# //p' "$0" >&2; exit 1 ;;
+    *) sed -n '2,6s/^# //p' "$0" >&2; exit 1 ;;
   esac
   shift
 done
@@ -27,16 +27,13 @@ command -v npm > /dev/null || nmc_need_packages nodejs npm
 echo "== node packages of the tests"
 (cd tests && npm ci --no-audit --no-fund --loglevel=error)
 
-echo "== build ($preset)"
-nmc_build "$preset"
-
 passed=0 failed=0 skipped=0
 
-# GoogleTest through CTest: one line per test, "***Skipped" for those that skipped, "***<reason>" for those that failed.
+# run_cpp_tests PRESET FOLDER [CTEST OPTION...]: GoogleTest through CTest: one line per test, "***Skipped" for those that skipped, "***<reason>" for those that failed.
 run_cpp_tests() {
-  echo "== C++ tests ($preset)"
-  local log=$build/ctest.log
-  local -a options=(--test-dir "$build" --output-on-failure --no-tests=error -j "$(nproc)")
+  echo "== C++ tests ($1)"
+  local log=$2/ctest.log
+  local -a options=(--test-dir "$2" --output-on-failure --no-tests=error -j "$(nproc)" "${@:3}")
   [ -z "$filter" ] || options+=(-R "$filter")
   ctest "${options[@]}" 2>&1 | tee "$log" || true
   local ran skipped_here not_passed
@@ -54,7 +51,7 @@ run_cpp_tests() {
 
 # node --test on a folder; its summary lines are "# pass N" and so on (the TAP reporter).
 run_node_tests() {
-  local folder=$1 log=$build/node.log
+  local folder=$1 log=build/node.log
   [ -d "$folder" ] || return 0
   echo "== JavaScript tests ($folder)"
   [ ! -f "$folder/package-lock.json" ] || (cd "$folder" && npm ci --no-audit --no-fund --loglevel=error)
@@ -70,15 +67,9 @@ run_node_tests() {
   skipped=$((skipped + ${skip:-0}))
 }
 
-run_cpp_tests
-# Without Chromium the tests in pages skip.
-[ -n "$filter" ] || [ "$preset" != release ] || nmc_need_packages chromium || echo "Chromium cannot be installed" >&2
-# Sanitizers watch C++ alone, and the tool is ten times slower under them.
-[ -n "$filter" ] || [ "$preset" != release ] || NMC_TOOL=$build/gltf-nmc run_node_tests tests/js
-
 # The fuzzers belong to the build with sanitizers.
 run_fuzzers() {
-  local log=$build/fuzz.log
+  local log=build-debug/fuzz.log
   echo "== fuzzers"
   bash tests/fuzz/run.sh --seconds 60 2>&1 | tee "$log" || true
   if [[ "$(tail -1 "$log")" =~ ^([0-9]+)\ passed,\ ([0-9]+)\ failed$ ]]; then
@@ -88,7 +79,25 @@ run_fuzzers() {
     failed=$((failed + 1))
   fi
 }
-[ -n "$filter" ] || [ "$preset" = release ] || run_fuzzers
+
+if [ "$preset" = release ]; then
+  nmc_build release
+  run_cpp_tests release build
+elif [ -n "$filter" ]; then
+  nmc_build debug
+  run_cpp_tests debug build-debug
+else
+  nmc_build release programs test_cli test_corpus
+  run_cpp_tests release build -L '^(cli|corpus)$'
+  nmc_build debug
+  run_cpp_tests debug build-debug
+  run_fuzzers
+fi
+if [ -z "$filter" ]; then
+  # Without Chromium the tests in pages skip.
+  nmc_need_packages chromium || echo "Chromium cannot be installed" >&2
+  NMC_TOOL=build/gltf-nmc run_node_tests tests/js
+fi
 
 if [ "$skipped" -gt 0 ]; then
   echo "$passed passed, $failed failed, $skipped skipped"
