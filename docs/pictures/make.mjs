@@ -44,6 +44,7 @@ const choose = (page, name, seconds, view) =>
       }
       player.choose(data.clips.find((one) => one.name === clip));
       player.seek(time);
+      return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     },
     [name, seconds, view],
   );

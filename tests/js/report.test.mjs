@@ -54,8 +54,9 @@ async function open(file, options = {}) {
 
 const human = () => reportOf('humanoid', sample('humanoid_30hz.glb'));
 
-/** Pixels of the drawing, as a hash that changes when the picture does. */
-const picture = (page) => page.evaluate(() => document.getElementById('canvas').toDataURL());
+/** Pixels of the drawing once what was asked for is drawn, which is with the browser's next frame. */
+const picture = (page) =>
+  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(document.getElementById('canvas').toDataURL())))));
 
 test('the report loads, plays and scrubs', { skip }, async () => {
   const { page, complaints } = await open(human().compress.page);
@@ -215,6 +216,7 @@ for (const width of [390, 820, 1280]) {
       const [red] = await page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).map(Number));
       assert.equal(red < 128, colorScheme === 'dark');
       await page.evaluate(() => window.nmcReport.player.seek(0.5));
+      await picture(page);
       await page.screenshot({ path: join(folder, `humanoid_${width}_${colorScheme}.png`), fullPage: true });
       assert.deepEqual(complaints, []);
       await page.close();

@@ -27,6 +27,7 @@ export class Player {
     this.errors = new Float64Array(this.shown.length);
     this.tolerance = data.report.tolerance_world_units;
     this.playing = false;
+    this.waiting = null;
     this.time = 0;
     this.speed = 1;
     this.gain = 1;
@@ -149,15 +150,23 @@ export class Player {
     return sum.map((v) => v / Math.max(1, this.shown.length));
   }
 
+  /** Poses and errors at once, the picture with the browser's next one, however often this is called before. */
   draw() {
     if (!this.clip) return;
     const begin = performance.now();
-    const { scene } = this;
-    scene.fit();
     this.other.update(this.time);
     if (this.hasOriginal) this.original.update(this.time);
     else this.original.world.set(this.other.world);
     this.#measure();
+    this.updating = performance.now() - begin;
+    this.waiting ??= requestAnimationFrame(() => this.#paint());
+  }
+
+  #paint() {
+    this.waiting = null;
+    const begin = performance.now();
+    const { scene } = this;
+    scene.fit();
     const following = this.#centerOf(this.original);
     const center = find('follow').checked ? following : this.startCenter;
     const box = { center: [center[0], this.box.height, center[2]], radius: this.box.radius, half: this.box.half };
@@ -186,7 +195,7 @@ export class Player {
         if (!plain) scene.skeletonOf(matrix, view, this.others, this.hasOriginal ? this.errors : null, scene.colours.bone);
       });
     });
-    this.frames.push(performance.now() - begin);
+    this.frames.push(this.updating + performance.now() - begin);
     if (this.frames.length > 240) this.frames.shift();
   }
 
