@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -44,7 +45,10 @@ class DocumentMaker {
     }
     json_["animations"] = Json::array();
     const int animations = data_.ConsumeIntegralInRange(1, 3);
-    for (int i = 0; i < animations; ++i) json_["animations"].push_back(animation(nodes));
+    for (int i = 0; i < animations; ++i) {
+      Json made = animation(nodes);  // adds accessors, which moves the array
+      json_["animations"].push_back(std::move(made));
+    }
     return document();
   }
 
