@@ -264,10 +264,8 @@ std::unique_ptr<Encoder> prepare_clip_pca(const codec::Source& source, const Enc
 std::vector<motion::Clip> decode_clip_pca(std::span<const std::uint8_t> input, const motion::Skeleton& skeleton) {
   ByteReader bytes(input);
   const Head head = read_head(bytes, skeleton);
-  std::vector<MatrixXd> values;
-  if (head.rows() == 0) {
-    for (const std::vector<float>& times : head.times) values.emplace_back(0, static_cast<Index>(times.size()));
-  } else {
+  std::vector<MatrixXd> values = no_values(head);
+  if (head.rows() > 0) {
     values = read_body(bytes, skeleton, head);
     apply_contacts(bytes, skeleton, head, values);
   }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <mutex>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -106,21 +105,6 @@ std::vector<Task> make_tasks(const CompareOptions& options) {
   return tasks;
 }
 
-class TaskProgress {
- public:
-  TaskProgress(const Progress& progress, std::size_t steps) : progress_(progress), steps_(steps) {}
-  void done(std::string_view name) {
-    if (!progress_) return;
-    const std::lock_guard lock(mutex_);
-    progress_(static_cast<double>(++done_) / static_cast<double>(steps_), name);
-  }
-
- private:
-  const Progress& progress_;
-  std::size_t steps_, done_ = 0;
-  std::mutex mutex_;
-};
-
 void choose_best(MethodResult& result, const std::vector<double>& tolerances, double size) {
   for (const double tolerance : tolerances) {
     std::optional<std::size_t> best;
@@ -165,7 +149,7 @@ Comparison compare(const codec::Source& source, const CompareOptions& options) {
   for (const codec::ClipSource& clip : source.clips) result.frames += clip.clip.times.size();
   const motion::ErrorMeter meter(source.skeleton, source.all_points);
   std::vector<Task> tasks = make_tasks(options);
-  TaskProgress progress(options.progress, options.methods.size() * options.tolerances.size());
+  StepProgress progress(options.progress, options.methods.size() * options.tolerances.size());
   parallel_for(tasks.size(), options.threads, [&](std::size_t i) {
     Task& task = tasks[i];
     const Method& method = *options.methods[task.method];

@@ -61,7 +61,7 @@ class ClipTransform {
         map_, {.basis = Basis::cosine, .boundaries = {0, samples}, .step_exponent = step_exponent, .iterations = 0});
     made.levels.times = clip_.clip.times;
     made.levels.states = prepared_.layout.states;
-    if (error_of(made.levels) > 0.999 * context_.bound.tolerance) return std::nullopt;
+    if (error_of(made.levels) > codec::kept_share * context_.bound.tolerance) return std::nullopt;
     return std::move(made.levels);
   }
 

@@ -336,12 +336,11 @@ std::vector<motion::Clip> decode_marker_pca(std::span<const std::uint8_t> input,
     frames.push_back(static_cast<Index>(times.size()));
     all += frames.back();
   }
-  std::vector<MatrixXd> clips;
   if (rig.rows() == 0) {
-    for (const Index count : frames) clips.emplace_back(0, count);
     bytes.expect_end();
-    return to_clips(head, clips);
+    return to_clips(head, no_values(head));
   }
+  std::vector<MatrixXd> clips;
   std::vector<Index> segments(static_cast<std::size_t>(bytes.count(bytes.left())));
   if (segments.empty()) refuse_damaged("there are no segments");
   segments[0] = 0;

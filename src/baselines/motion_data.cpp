@@ -149,6 +149,12 @@ MotionData motion_data(const codec::Source& source) {
   return data;
 }
 
+std::vector<Eigen::MatrixXd> no_values(const Head& head) {
+  std::vector<Eigen::MatrixXd> values;
+  for (const std::vector<float>& times : head.times) values.emplace_back(0, static_cast<Eigen::Index>(times.size()));
+  return values;
+}
+
 void write_target(ByteWriter& bytes, const codec::NodeTarget& target) {
   bytes.count(static_cast<std::uint64_t>(target.node));
   bytes.u8(static_cast<unsigned>(target.path));

@@ -44,6 +44,9 @@ Head read_head(ByteReader& bytes, const motion::Skeleton& skeleton);
 std::vector<motion::Clip> to_clips(const Head& head, const std::vector<Eigen::MatrixXd>& values);
 motion::Clip to_clip(const Head& head, std::size_t clip, const Eigen::MatrixXd& values);
 
+/// The values of clips in which nothing moves: no rows.
+std::vector<Eigen::MatrixXd> no_values(const Head& head);
+
 /// Targets as bytes, and back, checked against the skeleton.
 void write_target(ByteWriter& bytes, const codec::NodeTarget& target);
 codec::NodeTarget read_target(ByteReader& bytes, const motion::Skeleton& skeleton);

@@ -16,12 +16,6 @@ namespace {
 using codec::EncodedSet;
 using codec::Source;
 
-std::vector<int> nodes_of(const EncodedSet& set) {
-  std::vector<int> nodes;
-  for (const codec::NodeTarget& target : set.targets) nodes.push_back(target.node);
-  return nodes;
-}
-
 /// The default profile on all clips; what it cannot bring within the bound is coded again with finer steps.
 class NmcEncoder : public Encoder {
  public:
@@ -37,8 +31,9 @@ class NmcEncoder : public Encoder {
     std::iota(all.begin(), all.end(), std::size_t{0});
     using codec::StandardEncoder;
     const StandardEncoder usual(source, options, all, StandardEncoder::usual_precision);
-    const std::vector<std::size_t> missed = over_tolerance(source, usual.encode(all));
-    if (missed.empty()) return write_sets({{usual.encode(all)}}, all.size());
+    const EncodedSet whole = usual.encode(all);
+    const std::vector<std::size_t> missed = over_tolerance(source, whole);
+    if (missed.empty()) return write_sets({{whole}}, all.size());
     std::vector<std::size_t> good;
     std::set_difference(all.begin(), all.end(), missed.begin(), missed.end(), std::back_inserter(good));
     std::vector<EncodedSet> sets;

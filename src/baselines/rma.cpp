@@ -79,6 +79,17 @@ void smooth(MatrixXd& markers, const std::vector<Index>& seams, Index half) {
     }
 }
 
+/// The samples of some ranges (first, end), `count` in all, one behind the other.
+MatrixXd samples_of(const std::vector<std::pair<Index, Index>>& ranges, const MatrixXd& all, Index count) {
+  MatrixXd samples(all.rows(), count);
+  Index next = 0;
+  for (const auto& [first, end] : ranges) {
+    samples.middleCols(next, end - first) = all.middleCols(first, end - first);
+    next += end - first;
+  }
+  return samples;
+}
+
 /// A group as it stands in the bytes.
 struct ReadGroup {
   std::vector<std::pair<Index, Index>> ranges;
@@ -255,12 +266,7 @@ RmaEncoder::RmaEncoder(const codec::Source& source) : source_(source), data_(mot
       if (count > 0) junctions.push_back(count);
       count += end - first;
     }
-    MatrixXd own(rig.rows(), count);
-    Index next = 0;
-    for (const auto& [first, end] : group.ranges) {
-      own.middleCols(next, end - first) = aligned.middleCols(first, end - first);
-      next += end - first;
-    }
+    const MatrixXd own = samples_of(group.ranges, aligned, count);
     const PrincipalComponents pca = principal_components(own);
     const Index stride = (count + most_plot - 1) / most_plot;
     MatrixXd coarse(axes_for_share(pca, analysis_share), (count + stride - 1) / stride);
@@ -393,12 +399,7 @@ Bytes RmaEncoder::body(const RmaSettings& settings, RmaCounts& counts) const {
       }
       clip.reference = references_between(points, clip.end - clip.first, span);
     }
-    MatrixXd own(rig.rows(), count);
-    Index next = 0;
-    for (const auto& [first, end] : group.ranges) {
-      own.middleCols(next, end - first) = aligned.middleCols(first, end - first);
-      next += end - first;
-    }
+    const MatrixXd own = samples_of(group.ranges, aligned, count);
     const PrincipalComponents pca = principal_components(own);
     const double per_marker = static_cast<double>(rig.rows()) / 3;
     const Index axes = settings.covered > 0
@@ -466,10 +467,8 @@ std::unique_ptr<Encoder> prepare_rma(const codec::Source& source, const EncodeSe
 std::vector<motion::Clip> decode_rma(std::span<const std::uint8_t> input, const motion::Skeleton& skeleton) {
   ByteReader bytes(input);
   const Head head = read_head(bytes, skeleton);
-  std::vector<MatrixXd> values;
-  if (head.rows() == 0) {
-    for (const std::vector<float>& times : head.times) values.emplace_back(0, static_cast<Index>(times.size()));
-  } else {
+  std::vector<MatrixXd> values = no_values(head);
+  if (head.rows() > 0) {
     const bool smoothed = bytes.u8() != 0;
     values = read_body(bytes, skeleton, head, smoothed);
     apply_contacts(bytes, skeleton, head, values);

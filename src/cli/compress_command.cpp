@@ -122,7 +122,7 @@ class Compression {
     }
     if (a_.dry_run) {
       result.file.status = report::FileStatus::would_compress;
-      result.file.animations = animation_names(document).size();
+      result.file.animations = names.size();
       return result;
     }
     compress(document, key, std::move(notes), start, line, result);
@@ -248,6 +248,14 @@ FileResult failed(const FilePair& pair, ErrorCode code, const std::string& sente
   return result;
 }
 
+void print_batch(const Arguments& a, const std::vector<report::BatchFile>& files, const report::BatchContext& context) {
+  if (a.json) {
+    print(json_text(report::batch_json(files, context)));
+  } else if (!a.quiet) {
+    print(coloured(report::batch_text(files, context)));
+  }
+}
+
 int run_many(const Arguments& a, const Settings& settings, const Outputs& outputs) {
   const auto start = std::chrono::steady_clock::now();
   if (!a.dry_run) make_folder(outputs.folder);
@@ -276,11 +284,7 @@ int run_many(const Arguments& a, const Settings& settings, const Outputs& output
       .dry_run = a.dry_run,
       .has_cache = !a.cache.empty(),
       .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
-  if (a.json) {
-    print(json_text(report::batch_json(files, context)));
-  } else if (!a.quiet) {
-    print(coloured(report::batch_text(files, context)));
-  }
+  print_batch(a, files, context);
   return report::worst_exit_code(files);
 }
 
@@ -294,11 +298,7 @@ int run_one(const Arguments& a, const Settings& settings, const Outputs& outputs
   if (a.dry_run) {
     const report::BatchContext context{
         .version = version, .folder = "", .dry_run = true, .has_cache = !a.cache.empty(), .seconds = 0};
-    if (a.json) {
-      print(json_text(report::batch_json({result.file}, context)));
-    } else if (!a.quiet) {
-      print(coloured(report::batch_text({result.file}, context)));
-    }
+    print_batch(a, {result.file}, context);
   } else if (a.json) {
     print(json_text(result.file.report));
   } else if (!a.quiet) {

@@ -196,7 +196,7 @@ std::shared_ptr<SettingsArguments> add_settings(CLI::App& app) {
       ->type_name("PATTERN")
       ->allow_extra_args(false)
       ->group("Error bound");
-  app.add_option("--exclude", a->exclude, "leave this animation as it is; may be repeated (default none)")
+  app.add_option("--exclude", a->said.exclude, "leave this animation as it is; may be repeated (default none)")
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->group("Error bound");
@@ -209,28 +209,28 @@ std::shared_ptr<SettingsArguments> add_settings(CLI::App& app) {
                  "these bytes (1B to 1TB: 40KB, 1.5MB); profile default only\n(default none)")
       ->type_name("BYTES")
       ->group("Error bound");
-  app.add_option("--profile", a->profile,
+  app.add_option("--profile", a->said.profile,
                  "default: the smallest file that keeps the tolerance on\n"
                  "joints and skin; paper: the published method, the tolerance\n"
                  "on joints alone (default default)")
       ->type_name("default|paper")
       ->check(one_of({"default", "paper"}))
       ->group("Method");
-  app.add_option("--effort", a->effort, "1 (fast) to 9 (smallest file); profile default only (default 5)")
+  app.add_option("--effort", a->said.effort, "1 (fast) to 9 (smallest file); profile default only (default 5)")
       ->type_name("N")
       ->check(whole_number(1, 9))
       ->group("Method");
-  app.add_option("--contact-weight", a->contact_weight,
+  app.add_option("--contact-weight", a->said.contact_weight,
                  "1 to 100: how often the error of points that stand still\ncounts; profile default only (default 3)")
       ->type_name("X")
       ->check(number(1, 100))
       ->group("Method");
-  app.add_option("--max-frequencies", a->max_frequencies,
+  app.add_option("--max-frequencies", a->said.max_frequencies,
                  "where Algorithm 1 gives up, 0 to 1000; profile paper only\n(default 40)")
       ->type_name("N")
       ->check(whole_number(0, 1000))
       ->group("Method");
-  app.add_option("--time-limit", a->time_limit_seconds,
+  app.add_option("--time-limit", a->said.time_limit_seconds,
                  "stop searching after this time, above 0; what is not done\nstays as it is (default none)")
       ->type_name("SECONDS")
       ->check(positive_number())
@@ -262,18 +262,18 @@ Settings read_settings_file(const std::string& path) {
 Settings read_settings(const SettingsArguments& a) {
   Settings settings;
   if (!a.file.empty()) settings = read_settings_file(a.file);
-  replace(a.profile, settings.profile);
+  replace(a.said.profile, settings.profile);
   const Tolerances tolerances = parse_tolerances(a.tolerance);
   if (tolerances.has_all) settings.tolerance = tolerances.all;
   settings.rules.insert(settings.rules.end(), tolerances.rules.begin(), tolerances.rules.end());
   for (const std::string& text : a.keep) settings.keep.push_back(parse_selector(text, "--keep"));
-  settings.exclude.insert(settings.exclude.end(), a.exclude.begin(), a.exclude.end());
+  settings.exclude.insert(settings.exclude.end(), a.said.exclude.begin(), a.said.exclude.end());
   if (a.exact_ends) settings.exact_ends = true;
   if (!a.target_size.empty()) settings.target_bytes = parse_byte_count(a.target_size, "--target-size");
-  replace(a.effort, settings.effort);
-  replace(a.max_frequencies, settings.max_frequencies);
-  replace(a.contact_weight, settings.contact_weight);
-  replace(a.time_limit_seconds, settings.time_limit_seconds);
+  replace(a.said.effort, settings.effort);
+  replace(a.said.max_frequencies, settings.max_frequencies);
+  replace(a.said.contact_weight, settings.contact_weight);
+  replace(a.said.time_limit_seconds, settings.time_limit_seconds);
   if (a.optional) settings.optional = true;
   if (a.fallback) settings.fallback = true;
   refuse_contradictions(settings);

@@ -31,15 +31,10 @@ struct Settings {
 /// The options of the command line before they are understood.
 struct SettingsArguments {
   std::string file;
-  std::optional<std::string> profile;
-  std::vector<std::string> tolerance;
-  std::vector<std::string> keep;
-  std::vector<std::string> exclude;
+  Settings said;                       ///< what needs no reading
+  std::vector<std::string> tolerance;  ///< amounts, some with selectors
+  std::vector<std::string> keep;       ///< selectors
   std::string target_size;
-  std::optional<int> effort;
-  std::optional<int> max_frequencies;
-  std::optional<double> contact_weight;
-  std::optional<double> time_limit_seconds;
   bool exact_ends = false;
   bool optional = false;
   bool fallback = false;

@@ -1,8 +1,11 @@
 #include "codec/bound.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "motion/point_search.h"
 
 namespace nmc::codec {
 namespace {
@@ -15,12 +18,12 @@ struct Place {
   bool is_origin = false;  ///< the node's origin; else a place on its skin
 };
 
-Place place_of(std::span<const Influence> influences) {
-  const auto leading =
-      std::max_element(influences.begin(), influences.end(),
-                       [](const Influence& a, const Influence& b) { return std::abs(a.weight) < std::abs(b.weight); });
-  const bool origin = influences.size() == 1 && leading->offset == std::array<double, 3>{};
-  return {leading->node, origin};
+Place place_of(const Points& points, std::size_t point) {
+  const int leading = motion::leading_influence(points, point);
+  if (leading < 0) return {};
+  const Influence& influence = points.influences[static_cast<std::size_t>(leading)];
+  const bool alone = points.first[point + 1] - points.first[point] == 1;
+  return {influence.node, alone && influence.offset == std::array<double, 3>{}};
 }
 
 bool names_point(const Selector& where, const motion::Skeleton& skeleton, const Place& place) {
@@ -49,13 +52,9 @@ class Scaler {
   Points scaled(const Points& points) {
     Points result = points;
     for (std::size_t p = 0; p < points.size(); ++p) {
-      const std::span<Influence> influences(result.influences.data() + points.first[p],
-                                            points.first[p + 1] - points.first[p]);
-      if (influences.empty()) continue;
-      const Place place = place_of(influences);
+      const Place place = place_of(points, p);
       const double scale = scale_of([&](const Selector& where) { return names_point(where, source_.skeleton, place); });
-      if (scale == 1) continue;
-      for (Influence& influence : influences) influence.weight *= scale;
+      for (std::uint32_t i = points.first[p]; i < points.first[p + 1]; ++i) result.influences[i].weight *= scale;
     }
     for (MorphReach& morph : result.morphs)
       morph.reach *= scale_of([&](const Selector& where) { return names_morphs(where, source_.skeleton, morph.node); });
@@ -77,19 +76,6 @@ class Scaler {
   Bound& bound_;
 };
 
-}  // namespace
-
-double in_world_units(const Tolerance& tolerance, double size) {
-  return tolerance.unit == Tolerance::Unit::fraction_of_size ? tolerance.value * size : tolerance.value;
-}
-
-std::vector<ToleranceRule> rules_for(std::span<const ToleranceRule> rules, const std::string& clip) {
-  std::vector<ToleranceRule> selected;
-  for (const ToleranceRule& rule : rules)
-    if (selects_clip(rule.where, clip)) selected.push_back(rule);
-  return selected;
-}
-
 Bound make_bound(const BoundSource& source, std::span<const ToleranceRule> rules) {
   Bound bound;
   bound.tolerance = source.tolerance;
@@ -106,6 +92,25 @@ Bound make_bound(const BoundSource& source, std::span<const ToleranceRule> rules
   bound.points = scaler.scaled(source.points);
   bound.all_points = scaler.scaled(source.all_points);
   return bound;
+}
+
+}  // namespace
+
+double in_world_units(const Tolerance& tolerance, double size) {
+  return tolerance.unit == Tolerance::Unit::fraction_of_size ? tolerance.value * size : tolerance.value;
+}
+
+std::size_t BoundTable::of(const std::string& clip) {
+  std::vector<std::size_t> numbers;
+  std::vector<ToleranceRule> selected;
+  for (std::size_t r = 0; r < rules_.size(); ++r) {
+    if (!selects_clip(rules_[r].where, clip)) continue;
+    numbers.push_back(r);
+    selected.push_back(rules_[r]);
+  }
+  const auto [found, is_new] = made_.try_emplace(std::move(numbers), bounds_.size());
+  if (is_new) bounds_.push_back(make_bound(source_, selected));
+  return found->second;
 }
 
 }  // namespace nmc::codec

@@ -1,9 +1,12 @@
 // The error bound of a clip, with the exceptions that rules make for some of its points.
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/points.h"
@@ -21,7 +24,7 @@ struct Bound {
   std::optional<Points> all_points;  ///< the same of every vertex
 };
 
-/// What the bounds of a file are made from; all of it outlives the call.
+/// What the bounds of a file are made from; all of it outlives them.
 struct BoundSource {
   const motion::Skeleton& skeleton;
   const Points& points;
@@ -30,11 +33,25 @@ struct BoundSource {
   double tolerance = 0;  ///< world units
 };
 
-/// The bound of clips that these rules select; the last that names a point counts.
-Bound make_bound(const BoundSource& source, std::span<const ToleranceRule> rules);
+/// The bounds of a file's clips; clips that the same rules select share one. Of several rules that name a point the
+/// last one counts.
+class BoundTable {
+ public:
+  /// `rules` and what `source` refers to must outlive it.
+  BoundTable(const BoundSource& source, std::span<const ToleranceRule> rules) : source_(source), rules_(rules) {}
 
-/// The rules that select a clip.
-std::vector<ToleranceRule> rules_for(std::span<const ToleranceRule> rules, const std::string& clip);
+  /// The index of a clip's bound.
+  std::size_t of(const std::string& clip);
+
+  const std::vector<Bound>& bounds() const { return bounds_; }
+  std::vector<Bound> take() { return std::move(bounds_); }
+
+ private:
+  BoundSource source_;
+  std::span<const ToleranceRule> rules_;
+  std::vector<Bound> bounds_;
+  std::map<std::vector<std::size_t>, std::size_t> made_;  ///< by the rules that select the clip
+};
 
 /// In world units, for a character of this size.
 double in_world_units(const Tolerance& tolerance, double size);

@@ -20,9 +20,6 @@ namespace {
 /// The part of the tolerance that is aimed at: the rest covers what lies between samples and points.
 constexpr double aim = 0.985;
 
-/// The part of the tolerance up to which a measured error is taken as kept.
-constexpr double kept_share = 0.999;
-
 /// How long the search for one clip may take, by effort.
 struct SearchPlan {
   int first_iterations = 100;  ///< of the first training of each cut

@@ -16,6 +16,9 @@
 
 namespace nmc::codec {
 
+/// The part of the tolerance up to which a measured error is taken as kept.
+inline constexpr double kept_share = 0.999;
+
 /// A clip in the set's parameters, with where its points should be.
 struct PreparedClip {
   ClipLayout layout;

@@ -20,12 +20,7 @@ constexpr std::size_t most_traces = 4;
 constexpr std::size_t most_vertices = 50'000, most_corners = 300'000;
 
 int leading_node(const Points& points, std::size_t point) {
-  const auto first = points.influences.begin() + points.first[point];
-  const auto last = points.influences.begin() + points.first[point + 1];
-  return std::max_element(
-             first, last,
-             [](const Influence& a, const Influence& b) { return std::abs(a.weight) < std::abs(b.weight); })
-      ->node;
+  return points.influences[static_cast<std::size_t>(motion::leading_influence(points, point))].node;
 }
 
 /// The points that are the worst ones at some time, worst first, one of each node.

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -22,12 +21,6 @@ namespace {
 /// JSON that a compressed animation needs besides its name: the object with one stub channel, and its share of
 /// accessors.
 constexpr std::size_t stub_json_bytes = 230;
-
-std::vector<int> nodes_of(const EncodedSet& set) {
-  std::vector<int> nodes;
-  for (const NodeTarget& target : set.targets) nodes.push_back(target.node);
-  return nodes;
-}
 
 double share_of_tolerance(const motion::ErrorReport& error, const Bound& bound, Profile profile) {
   return (profile == Profile::paper ? error.max_joint : error.max) / bound.tolerance;
@@ -68,46 +61,10 @@ void judge(const Source& source, const CompressOptions& options, const motion::E
   });
 }
 
-gltf::CompressionEdit edit_of(const Source& source, const std::vector<EncodedSet>& sets,
-                              const CompressOptions& options) {
-  gltf::CompressionEdit edit;
-  edit.requirement = options.requirement;
-  for (const EncodedSet& set : sets) {
-    gltf::ClipSetBytes bytes;
-    bytes.stream = set.stream;
-    for (const NodeTarget& target : set.targets) bytes.targets.push_back({target.node, target.path});
-    for (std::size_t i = 0; i < set.clips.size(); ++i) {
-      const ClipSource& clip = source.clips[set.clips[i]];
-      edit.taken.push_back({clip.animation, clip.channels, static_cast<int>(edit.clip_sets.size()), static_cast<int>(i),
-                            clip.clip.times.front(), clip.clip.times.back()});
-    }
-    edit.clip_sets.push_back(std::move(bytes));
-  }
-  std::sort(edit.taken.begin(), edit.taken.end(),
-            [](const auto& a, const auto& b) { return a.animation < b.animation; });
-  return edit;
-}
-
-/// Tells progress from several threads, one at a time.
-class ClipProgress {
- public:
-  ClipProgress(const Progress& progress, std::size_t clips) : progress_(progress), clips_(clips) {}
-  void done(const std::string& name) {
-    if (!progress_) return;
-    const std::lock_guard lock(mutex_);
-    progress_(static_cast<double>(++done_) / static_cast<double>(clips_), name);
-  }
-
- private:
-  const Progress& progress_;
-  std::size_t clips_, done_ = 0;
-  std::mutex mutex_;
-};
-
 std::vector<EncodedSet> encode_paper_sets(const Source& source, const CompressOptions& options,
                                           const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
   std::vector<PaperClip> clips(source.clips.size());
-  ClipProgress progress(options.progress, clips.size());
+  StepProgress progress(options.progress, clips.size());
   parallel_for(clips.size(), options.threads, [&](std::size_t i) {
     clips[i] = encode_paper(source, i, options);
     progress.done(source.clips[i].name);
@@ -205,7 +162,11 @@ CompressResult compress(const gltf::Document& document, const CompressOptions& o
                                            ? encode_paper_sets(source, options, meter, result.clips)
                                            : encode_standard_sets(source, options, meter, result.clips);
   result.document = document;
-  if (!sets.empty()) result.notes = gltf::apply_compression(result.document, edit_of(source, sets, options));
+  if (!sets.empty()) {
+    gltf::CompressionEdit edit = compression_edit(source, sets);
+    edit.requirement = options.requirement;
+    result.notes = gltf::apply_compression(result.document, edit);
+  }
   for (std::string& sentence : unused_patterns(source, options)) result.notes.push_back(std::move(sentence));
   const std::vector<gltf::AnimationCost> after = gltf::animation_costs(result.document);
   const std::size_t compressed = static_cast<std::size_t>(std::count_if(

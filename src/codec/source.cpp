@@ -43,29 +43,6 @@ bool is_kept(const std::string& clip, const Curve& curve, const motion::Skeleton
   });
 }
 
-/// The bounds that clips have, each made once.
-class Bounds {
- public:
-  Bounds(Source& source, const CompressOptions& options) : source_(source), options_(options) {}
-
-  std::size_t of(const std::string& clip) {
-    std::vector<std::size_t> rules;
-    for (std::size_t r = 0; r < options_.rules.size(); ++r)
-      if (selects_clip(options_.rules[r].where, clip)) rules.push_back(r);
-    const auto [found, is_new] = made_.try_emplace(rules, source_.bounds.size());
-    if (is_new)
-      source_.bounds.push_back(
-          make_bound({source_.skeleton, source_.points, source_.all_points, source_.size, source_.tolerance},
-                     rules_for(options_.rules, clip)));
-    return found->second;
-  }
-
- private:
-  Source& source_;
-  const CompressOptions& options_;
-  std::map<std::vector<std::size_t>, std::size_t> made_;
-};
-
 bool is_excluded(const std::string& name, const CompressOptions& options) {
   return std::find(options.exclude.begin(), options.exclude.end(), name) != options.exclude.end();
 }
@@ -154,7 +131,7 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
   source.joint_points = source.skeleton.joints.empty() ? source.points : points_of_joints(source.skeleton);
   source.size = motion::character_size(source.skeleton, source.all_points);
   source.tolerance = in_world_units(options.tolerance, source.size);
-  Bounds bounds(source, options);
+  BoundTable bounds({source.skeleton, source.points, source.all_points, source.size, source.tolerance}, options.rules);
   for (std::size_t i = 0; i < source.asset.animations.size(); ++i) {
     const gltf::AnimationSource& animation = source.asset.animations[i];
     ClipResult result;
@@ -171,7 +148,7 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     clip.name = animation.name;
     clip.original.name = clip.kept.name = animation.name;
     clip.bound = bounds.of(animation.name);
-    const double tolerance = source.bounds[clip.bound].finest;
+    const double tolerance = bounds.bounds()[clip.bound].finest;
     std::vector<Curve> taken;
     for (const gltf::Channel& channel : animation.channels) {
       clip.original.curves.push_back(channel.curve);
@@ -205,6 +182,7 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     made.duration_seconds = static_cast<double>(clip.clip.times.back()) - clip.clip.times.front();
     source.clips.push_back(std::move(clip));
   }
+  source.bounds = bounds.take();
   return source;
 }
 
@@ -255,6 +233,30 @@ std::vector<NodeTarget> common_targets(const motion::Skeleton& skeleton,
   std::vector<NodeTarget> targets;
   for (const auto& [key, target] : found) targets.push_back(target);
   return targets;
+}
+
+std::vector<int> nodes_of(const EncodedSet& set) {
+  std::vector<int> nodes;
+  for (const NodeTarget& target : set.targets) nodes.push_back(target.node);
+  return nodes;
+}
+
+gltf::CompressionEdit compression_edit(const Source& source, const std::vector<EncodedSet>& sets) {
+  gltf::CompressionEdit edit;
+  for (const EncodedSet& set : sets) {
+    gltf::ClipSetBytes bytes;
+    bytes.stream = set.stream;
+    for (const NodeTarget& target : set.targets) bytes.targets.push_back({target.node, target.path});
+    for (std::size_t i = 0; i < set.clips.size(); ++i) {
+      const ClipSource& clip = source.clips[set.clips[i]];
+      edit.taken.push_back({clip.animation, clip.channels, static_cast<int>(edit.clip_sets.size()), static_cast<int>(i),
+                            clip.clip.times.front(), clip.clip.times.back()});
+    }
+    edit.clip_sets.push_back(std::move(bytes));
+  }
+  std::sort(edit.taken.begin(), edit.taken.end(),
+            [](const auto& a, const auto& b) { return a.animation < b.animation; });
+  return edit;
 }
 
 const motion::Track* find_track(const motion::Clip& clip, const NodeTarget& target) {

@@ -77,4 +77,10 @@ struct EncodedSet {
   std::vector<std::vector<Candidate>> candidates;  ///< per clip: what was tried, as far as recorded
 };
 
+/// The nodes of a set's targets.
+std::vector<int> nodes_of(const EncodedSet& set);
+
+/// What takes the clips of these sets out of the file's channels and puts the sets in; readers need the extension.
+gltf::CompressionEdit compression_edit(const Source& source, const std::vector<EncodedSet>& sets);
+
 }  // namespace nmc::codec

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <mutex>
 
 #include "base/parallel.h"
 #include "codec/clip_search.h"
@@ -76,16 +75,13 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
   std::vector<LevelClip> levels(count);
   seconds_.resize(count);
   candidates_.resize(count);
-  std::mutex lock;
-  std::size_t done = 0;
+  StepProgress progress(options.progress, count);
   parallel_for(count, options.threads, [&](std::size_t i) {
     const auto clip_start = std::chrono::steady_clock::now();
     levels[i] = search_clip(context, prepare_clip(context, clips[i], options.contact_weight), clips[i],
                             options.record_candidates ? &candidates_[i] : nullptr);
     seconds_[i] = seconds_since(clip_start);
-    if (!options.progress) return;
-    const std::lock_guard guard(lock);
-    options.progress(static_cast<double>(++done) / static_cast<double>(count), source.clips[clips[i]].name);
+    progress.done(source.clips[clips[i]].name);
   });
   targets_ = shared.frame.targets;
   set_ = std::move(shared.set);

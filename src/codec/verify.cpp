@@ -1,4 +1,5 @@
 // Compares the animations of two files.
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
@@ -41,17 +42,22 @@ Verification verify(const gltf::Document& original, const gltf::Document& other,
   Verification result;
   result.size = motion::character_size(skeleton, points);
   result.tolerance = in_world_units(tolerance, result.size);
+  const Points none;
+  BoundTable table({skeleton, none, points, result.size, result.tolerance}, rules);
+  std::vector<std::size_t> bound_of;
+  for (const Animation& animation : wanted) bound_of.push_back(table.of(animation.name));
+  std::vector<std::optional<motion::ErrorMeter>> scaled(table.bounds().size());
+  for (std::size_t k = 0; k < scaled.size(); ++k)
+    if (const auto& own = table.bounds()[k].all_points) scaled[k].emplace(skeleton, *own);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const std::size_t found = find_match(original, wanted, other, got, i);
     if (wanted[i].curves.empty()) continue;
     const Animation& shown = got[found];
-    const Bound bound =
-        make_bound({skeleton, {}, points, result.size, result.tolerance}, rules_for(rules, wanted[i].name));
+    const double bound = table.bounds()[bound_of[i]].tolerance;
+    const auto& own = scaled[bound_of[i]];
     VerifiedClip clip{wanted[i].name, meter.report(wanted[i], shown), 0, 0};
-    clip.joint_share_of_tolerance = clip.error.max_joint / bound.tolerance;
-    const double largest =
-        bound.all_points ? motion::measure_error(skeleton, *bound.all_points, wanted[i], shown).max : clip.error.max;
-    clip.share_of_tolerance = largest / bound.tolerance;
+    clip.joint_share_of_tolerance = clip.error.max_joint / bound;
+    clip.share_of_tolerance = (own ? own->report(wanted[i], shown).max : clip.error.max) / bound;
     result.clips.push_back(std::move(clip));
   }
   return result;

@@ -197,14 +197,6 @@ class SampledPoints {
   std::size_t keys_ = 0;
 };
 
-int leading_node(const Points& points, int point) {
-  const auto begin = points.influences.begin() + points.first[at(point)];
-  const auto end = points.influences.begin() + points.first[at(point) + 1];
-  return std::max_element(
-             begin, end, [](const Influence& a, const Influence& b) { return std::abs(a.weight) < std::abs(b.weight); })
-      ->node;
-}
-
 double largest_side(const std::vector<glm::dvec3>& positions) {
   if (positions.empty()) return 0.0;
   glm::dvec3 low = positions.front(), high = low;
@@ -258,7 +250,8 @@ ErrorReport ErrorMeter::report(const Animation& original, const Animation& decod
       const bool morph = worst_morph.error > worst.error;
       report.max = morph ? worst_morph.error : worst.error;
       report.max_seconds = sample.seconds;
-      report.max_node = morph ? worst_morph.node : leading_node(*points_, worst.point);
+      report.max_node =
+          morph ? worst_morph.node : points_->influences[at(leading_influence(*points_, at(worst.point)))].node;
     }
     comparison.raise_joint(report.max_joint);
     comparison.raise_rotation(report.max_rotation_degrees);

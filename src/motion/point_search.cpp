@@ -23,17 +23,9 @@ glm::dvec3 offset_of(const Influence& influence) {
   return {influence.offset[0], influence.offset[1], influence.offset[2]};
 }
 
-/// The influence of the largest weight of each point; -1 where there is none.
 std::vector<int> leading_influences(const Points& points) {
-  std::vector<int> leading(points.size(), -1);
-  for (std::size_t p = 0; p < points.size(); ++p) {
-    for (std::uint32_t i = points.first[p]; i < points.first[p + 1]; ++i) {
-      const int best = leading[p];
-      if (best < 0 || std::abs(points.influences[i].weight) > std::abs(points.influences[at(best)].weight)) {
-        leading[p] = static_cast<int>(i);
-      }
-    }
-  }
+  std::vector<int> leading;
+  for (std::size_t p = 0; p < points.size(); ++p) leading.push_back(leading_influence(points, p));
   return leading;
 }
 
@@ -47,6 +39,14 @@ double squared(const glm::dvec4& v) { return v.x * v.x + v.y * v.y + v.z * v.z; 
 }  // namespace
 
 double number_or_infinity(double value) { return std::isnan(value) ? infinity : value; }
+
+int leading_influence(const Points& points, std::size_t point) {
+  int best = -1;
+  for (std::uint32_t i = points.first[point]; i < points.first[point + 1]; ++i)
+    if (best < 0 || std::abs(points.influences[i].weight) > std::abs(points.influences[at(best)].weight))
+      best = static_cast<int>(i);
+  return best;
+}
 
 glm::dvec3 point_error(const Points& points, std::size_t point, std::span<const glm::dmat4> difference) {
   glm::dvec4 sum(0.0);

@@ -57,6 +57,10 @@ class PointSearch {
   std::vector<Cluster> clusters_;
 };
 
+/// The first of a point's influences with the largest weight (absolute), as an index into points.influences; -1 where
+/// it has none.
+int leading_influence(const Points& points, std::size_t point);
+
 /// The error vector of one point.
 glm::dvec3 point_error(const Points& points, std::size_t point, std::span<const glm::dmat4> difference);
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 
 #include "baselines/dct.h"
@@ -13,35 +12,13 @@
 #include "rate_reference.h"
 
 namespace nmc::bench {
-namespace {
-
 using namespace nmc::codec;
-
-gltf::CompressionEdit make_edit(const Source& source, const std::vector<EncodedSet>& sets) {
-  gltf::CompressionEdit edit;
-  for (const EncodedSet& set : sets) {
-    gltf::ClipSetBytes bytes;
-    bytes.stream = set.stream;
-    for (const NodeTarget& target : set.targets) bytes.targets.push_back({target.node, target.path});
-    for (std::size_t i = 0; i < set.clips.size(); ++i) {
-      const ClipSource& clip = source.clips[set.clips[i]];
-      edit.taken.push_back({clip.animation, clip.channels, static_cast<int>(edit.clip_sets.size()), static_cast<int>(i),
-                            clip.clip.times.front(), clip.clip.times.back()});
-    }
-    edit.clip_sets.push_back(std::move(bytes));
-  }
-  std::sort(edit.taken.begin(), edit.taken.end(),
-            [](const auto& a, const auto& b) { return a.animation < b.animation; });
-  return edit;
-}
-
-}  // namespace
 
 Measurement measure_dct(const std::filesystem::path& path, const CompressOptions& options) {
   gltf::Document document = gltf::read_document(path);
   const auto start = std::chrono::steady_clock::now();
   const Source source = read_source(document, options);
-  const gltf::CompressionEdit edit = make_edit(source, baselines::encode_dct(source, options.threads));
+  const gltf::CompressionEdit edit = compression_edit(source, baselines::encode_dct(source, options.threads));
   gltf::apply_compression(document, edit);
   Measurement row;
   row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

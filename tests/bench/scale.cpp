@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "gltf/document.h"
 #include "rate_process.h"
+#include "support/tiny_glb.h"
 
 namespace {
 
@@ -67,15 +67,8 @@ class Maker {
   Json& parent_of(std::size_t joint) { return json_["nodes"][joint % 10 == 0 ? 0 : joint - 1]; }
 
   std::size_t add(const std::vector<float>& values, const char* type, std::size_t width) {
-    const std::size_t offset = bin_.size();
-    bin_.resize(offset + 4 * values.size());
-    std::memcpy(bin_.data() + offset, values.data(), 4 * values.size());
-    json_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", 4 * values.size()}});
-    json_["accessors"].push_back({{"bufferView", json_["bufferViews"].size() - 1},
-                                  {"componentType", 5126},
-                                  {"count", values.size() / width},
-                                  {"type", type}});
-    return json_["accessors"].size() - 1;
+    constexpr int floats = 5126;
+    return nmc::test::add_accessor(json_, bin_, values, floats, type, width);
   }
 
   void add_clip(std::size_t clip, const std::vector<float>& times, std::size_t input) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "base/error.h"
 #include "codec/compress.h"
 #include "fuzz/require.h"
+#include "support/tiny_glb.h"
 
 namespace {
 
@@ -74,15 +74,8 @@ class DocumentMaker {
   }
 
   std::size_t accessor(const char* type, std::size_t width, const std::vector<float>& values) {
-    const std::size_t offset = bin_.size();
-    bin_.resize(offset + 4 * values.size());
-    std::memcpy(bin_.data() + offset, values.data(), 4 * values.size());
-    json_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", 4 * values.size()}});
-    json_["accessors"].push_back({{"bufferView", json_["bufferViews"].size() - 1},
-                                  {"componentType", 5126},
-                                  {"count", values.size() / width},
-                                  {"type", type}});
-    return json_["accessors"].size() - 1;
+    constexpr int floats = 5126;
+    return nmc::test::add_accessor(json_, bin_, values, floats, type, width);
   }
 
   std::vector<float> times() {

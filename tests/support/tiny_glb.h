@@ -61,6 +61,23 @@ inline GlbParts split_glb(const Bytes& glb) {
   return parts;
 }
 
+/// Adds numbers to BIN with a bufferView and an accessor; returns the accessor.
+template <typename Number>
+std::size_t add_accessor(Json& json, Bytes& bin, const std::vector<Number>& numbers, int component_type,
+                         const std::string& type, std::size_t width) {
+  bin.resize((bin.size() + 3) / 4 * 4);
+  const std::size_t offset = bin.size();
+  bin.resize(offset + numbers.size() * sizeof(Number));
+  std::memcpy(bin.data() + offset, numbers.data(), numbers.size() * sizeof(Number));
+  json["bufferViews"].push_back(
+      {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", numbers.size() * sizeof(Number)}});
+  json["accessors"].push_back({{"bufferView", json["bufferViews"].size() - 1},
+                               {"componentType", component_type},
+                               {"count", numbers.size() / width},
+                               {"type", type}});
+  return json["accessors"].size() - 1;
+}
+
 /// Two joints ("root" and "tip", one metre apart), a skinned strip along them, and the animation "wave": both joints
 /// turn smoothly for `frames` frames at 30 Hz, the root also moves. Change `json` and `bin` and ask for bytes().
 class TinyGlb {
@@ -83,20 +100,10 @@ class TinyGlb {
     add_animation(frames);
   }
 
-  /// Adds numbers to BIN with a bufferView and an accessor; returns the accessor.
+  /// Adds numbers as add_accessor does.
   template <typename Number>
   std::size_t add(const std::vector<Number>& numbers, int component_type, const std::string& type, std::size_t width) {
-    bin.resize((bin.size() + 3) / 4 * 4);
-    const std::size_t offset = bin.size();
-    bin.resize(offset + numbers.size() * sizeof(Number));
-    std::memcpy(bin.data() + offset, numbers.data(), numbers.size() * sizeof(Number));
-    json["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", numbers.size() * sizeof(Number)}});
-    json["accessors"].push_back({{"bufferView", json["bufferViews"].size() - 1},
-                                 {"componentType", component_type},
-                                 {"count", numbers.size() / width},
-                                 {"type", type}});
-    return json["accessors"].size() - 1;
+    return add_accessor(json, bin, numbers, component_type, type, width);
   }
 
   /// Where the data of an accessor lie in BIN.
