@@ -6,18 +6,18 @@
 #include <cctype>
 #include <system_error>
 
+#include "base/base64.h"
+
 namespace nmc::gltf {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view base64_alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
 std::array<int, 256> base64_values() {
   std::array<int, 256> values{};
   values.fill(-1);
-  for (std::size_t i = 0; i < base64_alphabet.size(); ++i)
-    values[static_cast<unsigned char>(base64_alphabet[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < base64_letters.size(); ++i)
+    values[static_cast<unsigned char>(base64_letters[i])] = static_cast<int>(i);
   return values;
 }
 
@@ -118,15 +118,7 @@ std::optional<Bytes> decode_data_uri(std::string_view uri) {
 }
 
 std::string encode_data_uri(std::span<const std::uint8_t> bytes) {
-  std::string out = "data:application/octet-stream;base64,";
-  out.reserve(out.size() + (bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out.push_back(k <= count ? base64_alphabet[bits >> (18 - 6 * k) & 63] : '=');
-  }
-  return out;
+  return "data:application/octet-stream;base64," + base64(bytes);
 }
 
 std::optional<fs::path> resolve_uri(std::string_view uri, const fs::path& folder, bool allow_external) {

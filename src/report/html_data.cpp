@@ -5,8 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "base/base64.h"
 #include "motion/curve.h"
-#include "report/base64.h"
 #include "report/compress_report.h"
 #include "report/html_report.h"
 

@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-#include "report/base64.h"
+#include "base/base64.h"
 #include "report/embedded_text.h"
 
 namespace nmc::report {

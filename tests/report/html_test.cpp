@@ -4,7 +4,7 @@
 #include <regex>
 #include <string>
 
-#include "report/base64.h"
+#include "base/base64.h"
 #include "report/html_report.h"
 
 namespace nmc::report {
