@@ -131,12 +131,13 @@ TEST_F(Pipeline, GnuParallelIsInterruptedAndResumed) {
   EXPECT_TRUE(std::filesystem::exists(file("out/heroes/new.glb")));
 }
 
-/// Two hosts, which a program in the place of ssh makes of this one.
+/// Two hosts, which a program in the place of ssh makes of this one. The server of ssh sets SHELL, and GNU parallel
+/// relies on it.
 TEST_F(Pipeline, GnuParallelUsesSeveralHosts) {
   if (!has("parallel")) GTEST_SKIP() << "needs GNU parallel";
   write_text(file("ssh"),
              "#!/bin/sh\nwhile case $1 in -*) true ;; *) false ;; esac; do shift; done\nshift\n"
-             "[ \"$1\" != -- ] || shift\ncd / && exec sh -c \"$*\"\n");
+             "[ \"$1\" != -- ] || shift\nexport SHELL=/bin/sh\ncd / && exec sh -c \"$*\"\n");
   std::filesystem::permissions(file("ssh"), std::filesystem::perms::owner_all);
   write_text(file("hosts"), "1/first\n1/second\n");
   const ProcessResult result =
