@@ -28,6 +28,7 @@ struct Arguments {
   bool paper = false;
   bool no_paper = false;
   bool ablation = false;
+  bool brief = false;
   bool no_gltfpack = false;
   int threads = 0;
   std::vector<std::string> files;
@@ -75,9 +76,9 @@ Opponent gltfpack_on(const std::string& program, const std::string& file) {
 RateTable measure_table(const Arguments& arguments, const std::string& file, double tolerance_percent,
                         const Opponent& gltfpack) {
   RateTable table{std::filesystem::path(file).filename().string(), tolerance_percent, {}};
-  print_head(table.file, tolerance_percent);
-  const auto add = [&table](const Measurement& row) {
-    print_row(row);
+  if (!arguments.brief) print_head(table.file, tolerance_percent);
+  const auto add = [&](const Measurement& row) {
+    if (!arguments.brief) print_row(row);
     table.rows.push_back(row);
   };
   CompressOptions options;
@@ -101,12 +102,14 @@ RateTable measure_table(const Arguments& arguments, const std::string& file, dou
   }
   add(apart("DCT", [&] { return measure_dct(file, options); }));
   if (!arguments.no_gltfpack) add(gltfpack(tolerance_percent / 100));
+  if (arguments.brief) print_brief_row(table, arguments.efforts);
   return table;
 }
 
 void run(const Arguments& arguments) {
   const std::string gltfpack = arguments.no_gltfpack ? "" : find_gltfpack(arguments.gltfpack);
   std::vector<RateTable> tables;
+  if (arguments.brief) print_brief_head(arguments.efforts);
   for (const std::string& file : arguments.files) {
     const Opponent opponent = gltfpack_on(gltfpack, file);
     for (const double tolerance : arguments.tolerances)
@@ -134,6 +137,7 @@ int main(int argc, char** argv) {
   app.add_flag("--no-paper", arguments.no_paper, "leave the paper's profile out");
   app.add_flag("--ablation", arguments.ablation,
                "the default with one part after the other left out, at the first effort");
+  app.add_flag("--brief", arguments.brief, "one line for each file and tolerance");
   app.add_option("--threads", arguments.threads, "0: all")->check(CLI::Range(0, 1024));
   app.add_option("FILES", arguments.files)->required()->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -38,6 +39,19 @@ class Mean {
   int count_ = 0;
 };
 
+const Measurement* row_of(const RateTable& table, const std::string& start) {
+  const auto found = std::find_if(table.rows.begin(), table.rows.end(),
+                                  [&](const Measurement& row) { return row.reached && row.method.starts_with(start); });
+  return found == table.rows.end() ? nullptr : &*found;
+}
+
+template <typename Value>
+std::string cell(const Measurement* row, const Value& value, const char* format = "{}") {
+  return row ? fmt::format(fmt::runtime(format), value(*row)) : "-";
+}
+
+std::string default_at(int effort) { return fmt::format("default, effort {}", effort); }
+
 struct Means {
   Mean dct_keys, gltfpack_keys, gltfpack_all;
 };
@@ -68,6 +82,39 @@ void print_row(const Measurement& row) {
                seconds_text(row), memory_text(row), row.note);
   else
     fmt::print("| {} | - | - | - | - | - | - | - | - | {} |\n", row.method, row.note);
+  std::fflush(stdout);
+}
+
+void print_brief_head(const std::vector<int>& efforts) {
+  std::string head = "| file | tolerance, % |", line = "| --- | ---: |";
+  for (const int effort : efforts) {
+    head += fmt::format(" effort {0}: keys | seconds | MB |", effort);
+    line += " ---: | ---: | ---: |";
+  }
+  head +=
+      " JSON | error, % | jitter, % | seam, % | DCT: keys | gltfpack: keys | JSON | error, % | jitter, % | seam, % |";
+  for (int i = 0; i < 10; ++i) line += " ---: |";
+  fmt::print("\n{}\n{}\n", head, line);
+  std::fflush(stdout);
+}
+
+void print_brief_row(const RateTable& table, const std::vector<int>& efforts) {
+  const auto keys = [](const Measurement& row) { return row.key_bytes; };
+  const auto json = [](const Measurement& row) { return row.json_bytes; };
+  const auto error = [](const Measurement& row) { return 100 * row.error; };
+  const auto jitter = [](const Measurement& row) { return 100 * row.jitter; };
+  const auto seam = [](const Measurement& row) { return 100 * row.loop_seam; };
+  const Measurement* ours = nullptr;
+  fmt::print("| {} | {} |", report::printable(table.file), table.tolerance_percent);
+  for (const int effort : efforts) {
+    ours = row_of(table, default_at(effort));
+    fmt::print(" {} | {} | {} |", cell(ours, keys), cell(ours, seconds_text), cell(ours, memory_text));
+  }
+  const Measurement* gltfpack = row_of(table, "gltfpack");
+  fmt::print(" {} | {} | {} | {} | {} |", cell(ours, json), cell(ours, error, "{:.4f}"), cell(ours, jitter, "{:.3f}"),
+             cell(ours, seam, "{:.3f}"), cell(row_of(table, "DCT"), keys));
+  fmt::print(" {} | {} | {} | {} | {} |\n", cell(gltfpack, keys), cell(gltfpack, json), cell(gltfpack, error, "{:.4f}"),
+             cell(gltfpack, jitter, "{:.3f}"), cell(gltfpack, seam, "{:.3f}"));
   std::fflush(stdout);
 }
 

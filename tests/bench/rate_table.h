@@ -18,6 +18,11 @@ struct RateTable {
 void print_head(const std::string& file, double tolerance_percent);
 void print_row(const Measurement& row);
 
+/// One line for each file and tolerance instead of a table: bytes of all methods beside each other. `efforts`: those of
+/// the default that were measured, in their order; error, jitter and loop seam are of the last.
+void print_brief_head(const std::vector<int>& efforts);
+void print_brief_row(const RateTable& table, const std::vector<int>& efforts);
+
 /// Per tolerance and effort the geometric mean over files of the default's bytes over those of DCT and of gltfpack.
 /// A file counts where both methods reach the tolerance.
 void print_means(const std::vector<RateTable>& tables);

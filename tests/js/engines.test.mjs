@@ -3,21 +3,15 @@ import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { pathToFileURL } from 'node:url';
 import { measureBabylon, measureThree } from './measure.mjs';
-import { channels, compressed, installPackage, largestDifference, noTool, readGlb, runTool, sample, scratch } from './support.mjs';
+import { channels, compressed, importIn, installPackage, largestDifference, noTool, readGlb, runTool, sample, scratch } from './support.mjs';
 
 const tolerance = 0.001;
 const allowed = tolerance + 1e-4;
 let folder;
 let files;
 
-/** Imports as an application in an otherwise empty folder would. */
-function load(name) {
-  const entry = join(folder, `${name.replace(/\W/g, '_')}.mjs`);
-  writeFileSync(entry, `export * from '${name}';\n`);
-  return import(pathToFileURL(entry).href);
-}
+const load = (name) => importIn(folder, name);
 
 before(async () => {
   folder = mkdtempSync(join(scratch, 'consumer-'));

@@ -3,7 +3,7 @@ import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { existsSync, mkdirSync, readFileSync, renameSync, symlinkSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
-import { fileURLToPath } from 'node:url';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 
 export const root = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
 const build = resolve(root, process.env.NMC_BUILD ?? 'build');
@@ -137,4 +137,11 @@ export function installPackage(folder) {
   const engines = join(root, 'tests/node_modules');
   for (const name of ['three', '@babylonjs', '@gltf-transform', 'property-graph'])
     symlinkSync(join(engines, name), join(folder, 'node_modules', name));
+}
+
+/** Imports as an application in this folder would. */
+export function importIn(folder, name) {
+  const entry = join(folder, `${name.replace(/\W/g, '_')}.mjs`);
+  writeFileSync(entry, `export * from '${name}';\n`);
+  return import(pathToFileURL(entry).href);
 }
