@@ -71,7 +71,7 @@ run_node_tests() {
 run_fuzzers() {
   local log=build-debug/fuzz.log
   echo "== fuzzers"
-  bash tests/fuzz/run.sh --seconds 60 bvh decoder gltf 2>&1 | tee "$log" || true
+  bash tests/fuzz/run.sh --seconds 60 bvh decoder gltf round_trip 2>&1 | tee "$log" || true
   if [[ "$(tail -1 "$log")" =~ ^([0-9]+)\ passed,\ ([0-9]+)\ failed$ ]]; then
     passed=$((passed + BASH_REMATCH[1]))
     failed=$((failed + BASH_REMATCH[2]))
@@ -80,6 +80,10 @@ run_fuzzers() {
   fi
 }
 
+# Tests of scripts, which start the tool very often, and those that skip themselves in a build with sanitizers.
+scripts='^Pipeline[.]|TheCacheKnows|ADamagedEntry'
+optimised="$scripts|RealFiles|LargeOnes|ThePageSays|EyesOfTheReferee|TooLittleMemory"
+
 if [ "$preset" = release ]; then
   nmc_build release
   run_cpp_tests release build
@@ -87,10 +91,10 @@ elif [ -n "$filter" ]; then
   nmc_build debug
   run_cpp_tests debug build-debug
 else
-  nmc_build release programs test_cli test_corpus
-  run_cpp_tests release build -R 'RealFiles|LargeOnes|ThePageSays|EyesOfTheReferee|TooLittleMemory'
+  nmc_build release programs test_cli test_corpus test_samples
+  run_cpp_tests release build -R "$optimised"
   nmc_build debug
-  run_cpp_tests debug build-debug
+  run_cpp_tests debug build-debug -E "$scripts"
   run_fuzzers
 fi
 if [ -z "$filter" ]; then

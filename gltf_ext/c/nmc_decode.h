@@ -137,6 +137,7 @@ typedef struct nmc_clip {
   uint8_t time_mode;
   uint8_t time_exact;   /* 1: the time formula needs no corrections */
   uint8_t even_windows; /* 1: windows of equal length */
+  uint8_t widest;       /* largest width of its atoms */
 } nmc_clip;
 
 struct nmc_models;
@@ -292,13 +293,21 @@ static const double nmc__pi = 3.14159265358979323846;
 static int64_t nmc__round(double x) { return (int64_t)(x < 0 ? x - 0.5 : x + 0.5); }
 
 /* sin x / x and cos x of y = x * x, |x| <= pi / 4, error below 1e-11. */
-static double nmc__sine_ratio(double y) {
-  return 1 + y * (-1.0 / 6 + y * (1.0 / 120 + y * (-1.0 / 5040 + y * (1.0 / 362880 - y * (1.0 / 39916800)))));
+static double nmc__sine_ratio(double y) { /* terms in pairs do not wait for each other */
+  const double y2 = y * y;
+  return (1 + y * (-1.0 / 6)) + y2 * ((1.0 / 120 + y * (-1.0 / 5040)) + y2 * (1.0 / 362880 + y * (-1.0 / 39916800)));
 }
 
 static double nmc__cosine(double y) {
-  return 1 + y * (-1.0 / 2 +
-                  y * (1.0 / 24 + y * (-1.0 / 720 + y * (1.0 / 40320 + y * (-1.0 / 3628800 + y * (1.0 / 479001600))))));
+  const double y2 = y * y;
+  return (1 + y * (-1.0 / 2)) +
+         y2 * ((1.0 / 24 + y * (-1.0 / 720)) + y2 * ((1.0 / 40320 + y * (-1.0 / 3628800)) + y2 * (1.0 / 479001600)));
+}
+
+/* 1 / sqrt(x); of what is 1 but for rounding without the root. */
+static double nmc__inverse_root(double x) {
+  const double d = x - 1;
+  return d > -1e-4 && d < 1e-4 ? 1 - d * (0.5 - 0.375 * d) : 1 / NMC_SQRT(x);
 }
 
 /* sin and cos of 2 pi turns, |turns| < 2^52, error below 1e-11; of anything else those of 0, so that a stream with
@@ -470,9 +479,8 @@ static void nmc__measure(nmc_info *i) {
   w += nmc__pad((uint64_t)i->clips * i->targets);
   w += nmc__pad((uint64_t)i->slots * ((uint64_t)i->max_features + 1));
   w += nmc__pad((uint64_t)i->slots * 2);
-  s += nmc__pad((uint64_t)i->slots * sizeof(double));
-  s += nmc__pad((uint64_t)i->slots * sizeof(float));
-  s += nmc__pad(((uint64_t)i->max_features + 2) * sizeof(double));
+  s += nmc__pad((uint64_t)i->slots * sizeof(double)) * 2;
+  s += nmc__pad(((uint64_t)i->max_features + 2) * sizeof(double)) * 2;
   s += nmc__pad((nmc__inputs(i) + i->hidden0 + i->hidden1) * sizeof(double));
   i->workspace_bytes = nmc__size(w);
   i->scratch_bytes = nmc__size(s);
@@ -1359,7 +1367,7 @@ static void nmc__code_payload(nmc__coder *c, nmc_set *set) {
 
 static void nmc__rotation(const double *v, const double *reference, float *q) {
   const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  double s, c, e[3], r[4], length;
+  double s, c, e[3], r[4], scale;
   int i;
   if (square < 2) { /* half the angle is below pi / 4 */
     s = 0.5 * nmc__sine_ratio(square / 4);
@@ -1374,8 +1382,8 @@ static void nmc__rotation(const double *v, const double *reference, float *q) {
   r[1] = reference[3] * e[1] + reference[1] * c + reference[2] * e[0] - reference[0] * e[2];
   r[2] = reference[3] * e[2] + reference[2] * c + reference[0] * e[1] - reference[1] * e[0];
   r[3] = reference[3] * c - reference[0] * e[0] - reference[1] * e[1] - reference[2] * e[2];
-  length = 1 / NMC_SQRT(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-  for (i = 0; i < 4; ++i) q[i] = (float)(r[i] * length);
+  scale = nmc__inverse_root(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
+  for (i = 0; i < 4; ++i) q[i] = (float)(r[i] * scale);
 }
 
 static nmc_result nmc__settle_references(nmc_set *set) {
@@ -1429,6 +1437,7 @@ static void nmc__settle_clip(nmc_set *set, uint32_t index) {
   for (k = 0; k < clip->atoms; ++k) {
     nmc_atom *atom = &set->atoms[clip->first_atom + k];
     atom->value *= (float)nmc__anchor_step(set, (uint32_t)slots[atom->parameter]);
+    if (atom->width > clip->widest) clip->widest = (uint8_t)atom->width;
   }
 }
 
@@ -1588,97 +1597,140 @@ static uint32_t nmc__window_of(const nmc_set *set, const nmc_clip *clip, uint32_
   return low;
 }
 
-/* The clip's parameters at sample n. */
-static void nmc__parameters_at(const nmc_set *set, const nmc_clip *clip, const uint8_t *states, uint32_t n, double *y,
-                               double *work) {
-  const uint32_t k = nmc__window_of(set, clip, n);
-  const nmc_window *w = &set->windows[clip->first_window + k];
-  const nmc_weight *weight = set->weights + w->first_weight, *end = weight + w->weights;
-  const float *row = set->anchors + clip->first_anchor + (size_t)(clip->anchor_rows == 1 ? 0 : k) * clip->parameters;
-  const double u = (double)(n - w->begin) / w->length;
-  uint32_t i, low, high;
-  if (clip->anchor_rows == 1)
-    for (i = 0; i < clip->parameters; ++i) y[i] = row[i];
-  else
-    for (i = 0; i < clip->parameters; ++i) y[i] = row[i] + u * ((double)row[i + clip->parameters] - row[i]);
-  nmc__features(clip, w, n, w->features, work);
+/* Adds the windows' weights of one sample, or of two at once. */
+NMC__INLINE void nmc__add_weights(const nmc_weight *weight, const nmc_weight *end, double *const f[2],
+                                  double *const y[2], const int count) {
+  int i;
   while (weight != end) { /* weights of one parameter stand together */
     const uint32_t parameter = weight->parameter;
-    double sum = y[parameter];
+    double sum[2] = {0, 0};
     do {
-      sum += weight->value * work[weight->feature];
+      for (i = 0; i < count; ++i) sum[i] += weight->value * f[i][weight->feature];
       ++weight;
     } while (weight != end && weight->parameter == parameter);
-    y[parameter] = sum;
+    for (i = 0; i < count; ++i) y[i][parameter] += sum[i];
   }
-  low = 0;
-  high = clip->atoms; /* atoms are sorted by sample: skip those more than the widest window before n */
+}
+
+static void nmc__add_atom(const nmc_atom *atom, uint32_t n, double *y) {
+  const uint32_t away = n > atom->sample ? n - atom->sample : atom->sample - n;
+  double s, c;
+  if (away >> atom->width) return;
+  nmc__sin_cos((double)away / (2.0 * (1u << atom->width)), &s, &c);
+  y[atom->parameter] += atom->value * 0.5 * (1 + c);
+}
+
+/* Atoms are sorted by sample: of those that the widest can bring to one of `count` samples from n on. */
+static void nmc__add_atoms(const nmc_set *set, const nmc_clip *clip, uint32_t n, double *const y[2], int count) {
+  const nmc_atom *atoms = set->atoms + clip->first_atom;
+  const uint32_t reach = 1u << clip->widest;
+  uint32_t low = 0, high = clip->atoms;
+  int i;
   while (low < high) {
     const uint32_t middle = (low + high) / 2;
-    if (set->atoms[clip->first_atom + middle].sample + 32768u <= n)
+    if (atoms[middle].sample + reach <= n)
       low = middle + 1;
     else
       high = middle;
   }
-  for (; low < clip->atoms; ++low) {
-    const nmc_atom *atom = &set->atoms[clip->first_atom + low];
-    const uint32_t away = n > atom->sample ? n - atom->sample : atom->sample - n;
-    double s, c;
-    if (atom->sample > n && away >= 32768u) break;
-    if (away >> atom->width) continue;
-    nmc__sin_cos((double)away / (2.0 * (1u << atom->width)), &s, &c);
-    y[atom->parameter] += atom->value * 0.5 * (1 + c);
+  for (; low < clip->atoms && atoms[low].sample < n + (uint32_t)(count - 1) + reach; ++low)
+    for (i = 0; i < count; ++i) nmc__add_atom(&atoms[low], n + (uint32_t)i, y[i]);
+}
+
+/* The clip's parameters at sample n, or at n and n + 1 (count 2), which the same window covers: it ends where the next
+ * one begins. */
+NMC__INLINE void nmc__parameters_at(const nmc_set *set, const nmc_clip *clip, const uint8_t *states, uint32_t n,
+                                    double *const y[2], double *const work[2], const int count) {
+  const nmc_window *w = &set->windows[clip->first_window + nmc__window_of(set, clip, n)];
+  const nmc_weight *weight = set->weights + w->first_weight, *end = weight + w->weights;
+  const uint32_t k = clip->anchor_rows == 1 ? 0 : (uint32_t)(w - set->windows) - clip->first_window;
+  const float *row = set->anchors + clip->first_anchor + (size_t)k * clip->parameters;
+  const float *after = clip->anchor_rows == 1 ? row : row + clip->parameters;
+  uint32_t p;
+  int i;
+  for (i = 0; i < count; ++i) {
+    const double u = (double)(n + (uint32_t)i - w->begin) / w->length;
+    for (p = 0; p < clip->parameters; ++p) y[i][p] = row[p] + u * ((double)after[p] - row[p]);
+    nmc__features(clip, w, n + (uint32_t)i, w->features, work[i]);
   }
-  if (set->has_network) nmc__network(set, clip, states, n, y, work);
+  nmc__add_weights(weight, end, work, y, count);
+  nmc__add_atoms(set, clip, n, y, count);
+  if (!set->has_network) return;
+  for (i = 0; i < count; ++i) nmc__network(set, clip, states, n + (uint32_t)i, y[i], work[0]);
+}
+
+/* A target's value from its parameters. */
+NMC__INLINE void nmc__value(const nmc_target *target, const float *reference, int state, uint32_t count,
+                            const double *y, float *out) {
+  uint32_t a;
+  if (state == NMC_QUATERNION) {
+    const double length = NMC_SQRT(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3]);
+    for (a = 0; a < 4; ++a) out[a] = length > 1e-12 ? (float)(y[a] / length) : (a == 3 ? 1.0f : 0.0f);
+  } else if (target->path == NMC_ROTATION && count && (y[0] != 0 || y[1] != 0 || y[2] != 0)) {
+    double q[4];
+    for (a = 0; a < 4; ++a) q[a] = reference[a];
+    nmc__rotation(y, q, out);
+  } else {
+    for (a = 0; a < target->width; ++a)
+      out[a] = reference[a] + (count && target->path != NMC_ROTATION ? (float)y[a] : 0.0f);
+  }
+}
+
+/* Scratch memory: parameters of two samples, then what they are made from. */
+static void nmc__divide(const nmc_set *set, void *scratch, double *y[2], double *work[2]) {
+  y[0] = (double *)scratch;
+  y[1] = y[0] + set->info.slots;
+  work[0] = y[1] + set->info.slots;
+  work[1] = work[0] + set->info.max_features + 2;
 }
 
 nmc_result nmc_sample(const nmc_set *set, uint32_t index, uint32_t n, float *pose, void *scratch) {
-  const nmc_clip *clip;
   const uint8_t *states;
-  double *y = (double *)scratch;
-  double *work = (double *)(void *)((uint8_t *)scratch + nmc__pad((uint64_t)set->info.slots * sizeof(double)) +
-                                    nmc__pad((uint64_t)set->info.slots * sizeof(float)));
-  uint32_t t, a;
+  const double *at;
+  double *y[2], *work[2];
+  uint32_t t;
   if (index >= set->info.clips || n >= set->clips[index].samples) return NMC_ERROR_ARGUMENT;
-  clip = &set->clips[index];
   states = set->states + (size_t)index * set->info.targets;
-  nmc__parameters_at(set, clip, states, n, y, work);
+  nmc__divide(set, scratch, y, work);
+  nmc__parameters_at(set, &set->clips[index], states, n, y, work, 1);
+  at = y[0];
   for (t = 0; t < set->info.targets; ++t) {
     const nmc_target *target = &set->targets[t];
-    const float *reference = set->pose + target->offset;
-    float *out = pose + target->offset;
     const uint32_t count = nmc__parameters(target, states[t]);
-    if (states[t] == NMC_QUATERNION) {
-      double length = NMC_SQRT(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3]);
-      for (a = 0; a < 4; ++a) out[a] = length > 1e-12 ? (float)(y[a] / length) : (a == 3 ? 1.0f : 0.0f);
-    } else if (target->path == NMC_ROTATION && count && (y[0] != 0 || y[1] != 0 || y[2] != 0)) {
-      double q[4];
-      for (a = 0; a < 4; ++a) q[a] = reference[a];
-      nmc__rotation(y, q, out);
-    } else {
-      for (a = 0; a < target->width; ++a)
-        out[a] = reference[a] + (count && target->path != NMC_ROTATION ? (float)y[a] : 0.0f);
-    }
-    y += count;
+    nmc__value(target, set->pose + target->offset, states[t], count, at, pose + target->offset);
+    at += count;
   }
   return NMC_OK;
 }
 
-/* sin(u x) / sin x of z = cos x - 1, 0 <= u <= 1, -0.12 <= z <= 0, error below 1e-11: the series in z, whose factors
- * are (u^2 - k^2) / (k (2 k + 1)). */
-static double nmc__share(double u, double z) {
+/* What is the same for all rotations between two samples. */
+typedef struct nmc__between {
+  double u;
+  double first[8];  /* factors of nmc__share for 1 - u */
+  double second[8]; /* for u */
+} nmc__between;
+
+static void nmc__share_factors(double u, double *factors) {
   const double w = u * u;
-  return u * (1 + z * (w - 1) * (1.0 / 3) *
-                      (1 + z * (w - 4) * (1.0 / 10) *
-                               (1 + z * (w - 9) * (1.0 / 21) *
-                                        (1 + z * (w - 16) * (1.0 / 36) *
-                                                 (1 + z * (w - 25) * (1.0 / 55) *
-                                                          (1 + z * (w - 36) * (1.0 / 78) *
-                                                                   (1 + z * (w - 49) * (1.0 / 105) *
-                                                                            (1 + z * (w - 64) * (1.0 / 136)))))))));
+  int k;
+  for (k = 1; k <= 8; ++k) factors[k - 1] = (w - k * k) / (k * (2 * k + 1));
 }
 
-static void nmc__slerp(const float *a, const float *b, double u, float *out) {
+static void nmc__start_between(double u, nmc__between *between) {
+  between->u = u;
+  nmc__share_factors(1 - u, between->first);
+  nmc__share_factors(u, between->second);
+}
+
+/* sin(u x) / sin x of z = cos x - 1, 0 <= u <= 1, -0.12 <= z <= 0, error below 1e-11: the series in z, whose factors
+ * are (u^2 - k^2) / (k (2 k + 1)). Small angles need half of it. */
+NMC__INLINE double nmc__share(double u, const double *f, double z) {
+  double rest = 1;
+  if (z < -0.002) rest = 1 + z * f[4] * (1 + z * f[5] * (1 + z * f[6] * (1 + z * f[7])));
+  return u * (1 + z * f[0] * (1 + z * f[1] * (1 + z * f[2] * (1 + z * f[3] * rest))));
+}
+
+static void nmc__slerp(const float *a, const float *b, const nmc__between *between, float *out) {
   double dot = 0, sign, wa, wb, q[4], length = 0;
   int i;
   for (i = 0; i < 4; ++i) dot += (double)a[i] * b[i];
@@ -1686,15 +1738,15 @@ static void nmc__slerp(const float *a, const float *b, double u, float *out) {
   dot *= sign;
   if (dot > 1) dot = 1;
   if (dot >= 0.88) {
-    wa = nmc__share(1 - u, dot - 1);
-    wb = nmc__share(u, dot - 1);
+    wa = nmc__share(1 - between->u, between->first, dot - 1);
+    wb = nmc__share(between->u, between->second, dot - 1);
   } else {
     double away = 0, angle, s, sa, sb, unused;
     for (i = 0; i < 4; ++i) away += (sign * b[i] - dot * a[i]) * (sign * b[i] - dot * a[i]);
     s = NMC_SQRT(away);
     angle = nmc__angle(s, dot);
-    nmc__sin_cos((1 - u) * angle / (2 * nmc__pi), &sa, &unused);
-    nmc__sin_cos(u * angle / (2 * nmc__pi), &sb, &unused);
+    nmc__sin_cos((1 - between->u) * angle / (2 * nmc__pi), &sa, &unused);
+    nmc__sin_cos(between->u * angle / (2 * nmc__pi), &sb, &unused);
     wa = sa / s;
     wb = sb / s;
   }
@@ -1722,28 +1774,44 @@ static double nmc__locate(const float *times, uint32_t samples, double seconds, 
   return (seconds - times[low]) / ((double)times[high] - times[low]);
 }
 
-/* From a pose to the next one of the clip; out may be pose. Of the targets that do not move, pose has the value. */
-static void nmc__mix(const nmc_set *set, uint32_t index, const float *pose, const float *next, double u, float *out) {
+/* The pose at the share u of the way from sample n to n + 1. */
+static void nmc__pose_between(const nmc_set *set, uint32_t index, uint32_t n, double u, float *pose, void *scratch) {
+  const uint8_t *states = set->states + (size_t)index * set->info.targets;
+  const double *at[2];
+  double *y[2], *work[2];
+  nmc__between between;
   uint32_t t, i;
+  nmc__divide(set, scratch, y, work);
+  nmc__parameters_at(set, &set->clips[index], states, n, y, work, 2);
+  at[0] = y[0];
+  at[1] = y[1];
+  nmc__start_between(u, &between);
   for (t = 0; t < set->info.targets; ++t) {
     const nmc_target *target = &set->targets[t];
-    const uint32_t begin = target->offset, end = begin + target->width;
-    const int moves = nmc_state(set, index, t) >= NMC_MOVING;
-    if (moves && target->path == NMC_ROTATION) {
-      nmc__slerp(pose + begin, next + begin, u, out + begin);
+    const float *reference = set->pose + target->offset;
+    float *out = pose + target->offset;
+    const uint32_t count = nmc__parameters(target, states[t]);
+    if (states[t] < NMC_MOVING) {
+      nmc__value(target, reference, states[t], count, at[0], out);
+    } else if (target->path == NMC_ROTATION) {
+      float a[4] = {0, 0, 0, 1}, b[4] = {0, 0, 0, 1};
+      nmc__value(target, reference, states[t], count, at[0], a);
+      nmc__value(target, reference, states[t], count, at[1], b);
+      nmc__slerp(a, b, &between, out);
     } else {
-      for (i = begin; i < end; ++i) out[i] = moves ? (float)((1 - u) * pose[i] + u * next[i]) : pose[i];
+      for (i = 0; i < target->width; ++i)
+        out[i] = (float)((1 - u) * (reference[i] + (float)at[0][i]) + u * (reference[i] + (float)at[1][i]));
     }
+    at[0] += count;
+    at[1] += count;
   }
 }
 
 nmc_result nmc_evaluate(const nmc_set *set, uint32_t index, double seconds, int mode, float *pose, void *scratch) {
   const nmc_clip *clip;
   const float *times;
-  float *next;
   uint32_t n;
   double u;
-  nmc_result r;
   if (index >= set->info.clips || !(seconds - seconds == 0)) return NMC_ERROR_ARGUMENT;
   clip = &set->clips[index];
   times = set->times + clip->first_time;
@@ -1756,12 +1824,9 @@ nmc_result nmc_evaluate(const nmc_set *set, uint32_t index, double seconds, int 
     }
   }
   u = nmc__locate(times, clip->samples, seconds, &n);
-  r = nmc_sample(set, index, n, pose, scratch);
-  if (r != NMC_OK || u == 0) return r;
-  next = (float *)(void *)((uint8_t *)scratch + nmc__pad((uint64_t)set->info.slots * sizeof(double)));
-  r = nmc_sample(set, index, n + 1, next, scratch);
-  if (r == NMC_OK) nmc__mix(set, index, pose, next, u, pose);
-  return r;
+  if (u == 0) return nmc_sample(set, index, n, pose, scratch);
+  nmc__pose_between(set, index, n, u, pose, scratch);
+  return NMC_OK;
 }
 
 /* ---- For the encoder ---- */

@@ -1,10 +1,11 @@
 #include "baselines/behaviour_segments.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/symmetric_eigen.h"
 #include "baselines/principal_components.h"
 
 namespace nmc::baselines {
@@ -30,15 +31,15 @@ double mean_distance(const Moments& moments, const Eigen::Ref<const Eigen::Matri
                      double least_variance) {
   const Eigen::VectorXd mean = moments.sum / moments.count;
   const Eigen::MatrixXd covariance = moments.products / moments.count - mean * mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  const Eigen::VectorXd variances = solver.eigenvalues().cwiseMax(0.0);  // rising
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  const Eigen::VectorXd variances = eigen.values.cwiseMax(0.0);  // rising
   const Eigen::Index rows = variances.size();
   Eigen::Index discarded = 0;
   double left = 0;
   while (discarded + 1 < rows && left + variances(discarded) <= (1 - covered) * variances.sum())
     left += variances(discarded++);
   const double noise = std::max(discarded > 0 ? left / static_cast<double>(discarded) : 0.0, least_variance);
-  const Eigen::MatrixXd coefficients = solver.eigenvectors().transpose() * (frames.colwise() - mean);
+  const Eigen::MatrixXd coefficients = eigen.vectors.transpose() * (frames.colwise() - mean);
   double sum = coefficients.topRows(discarded).squaredNorm() / noise;
   for (Eigen::Index i = discarded; i < rows; ++i)
     sum += coefficients.row(i).squaredNorm() / std::max(variances(i), noise);
@@ -96,8 +97,8 @@ void split_group(const Eigen::MatrixXd& similarity, const std::vector<Eigen::Ind
       w(i, j) = similarity(members[static_cast<std::size_t>(i)], members[static_cast<std::size_t>(j)]);
   const Eigen::VectorXd degree = w.rowwise().sum();
   const Eigen::VectorXd root = degree.cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(root.asDiagonal() * w * root.asDiagonal());
-  const Eigen::VectorXd order = root.asDiagonal() * solver.eigenvectors().col(count - 2);
+  const SymmetricEigen eigen = symmetric_eigen(root.asDiagonal() * w * root.asDiagonal());
+  const Eigen::VectorXd order = root.asDiagonal() * eigen.vectors.col(count - 2);
   std::vector<Eigen::Index> sorted(members.size());
   for (std::size_t i = 0; i < sorted.size(); ++i) sorted[i] = static_cast<Eigen::Index>(i);
   std::sort(sorted.begin(), sorted.end(),

@@ -1,6 +1,6 @@
 #include "baselines/principal_components.h"
 
-#include <Eigen/Eigenvalues>
+#include "base/symmetric_eigen.h"
 
 namespace nmc::baselines {
 
@@ -10,9 +10,9 @@ PrincipalComponents principal_components(const Eigen::MatrixXd& columns) {
   const Eigen::MatrixXd centered = columns.colwise() - pca.mean;
   if (columns.cols() < columns.rows()) {  // the other product has the same eigenvalues and is smaller
     const Eigen::MatrixXd gram = centered.transpose() * centered / static_cast<double>(columns.cols());
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> small(gram);
-    pca.variances = small.eigenvalues().reverse().cwiseMax(0.0);
-    pca.axes = centered * small.eigenvectors().rowwise().reverse();
+    const SymmetricEigen small = symmetric_eigen(gram);
+    pca.variances = small.values.reverse().cwiseMax(0.0);
+    pca.axes = centered * small.vectors.rowwise().reverse();
     Eigen::Index count = 0;
     const double least = 1e-14 * pca.variances.sum();
     while (count < pca.variances.size() && pca.variances(count) > least) pca.axes.col(count++).normalize();
@@ -21,9 +21,9 @@ PrincipalComponents principal_components(const Eigen::MatrixXd& columns) {
     return pca;
   }
   const Eigen::MatrixXd covariance = centered * centered.transpose() / static_cast<double>(columns.cols());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  pca.axes = solver.eigenvectors().rowwise().reverse();
-  pca.variances = solver.eigenvalues().reverse().cwiseMax(0.0);
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  pca.axes = eigen.vectors.rowwise().reverse();
+  pca.variances = eigen.values.reverse().cwiseMax(0.0);
   return pca;
 }
 

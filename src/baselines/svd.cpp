@@ -1,8 +1,8 @@
 // Low-rank SVD of the pose matrix: Tojo et al. 2022, section 4.1.
-#include <Eigen/SVD>
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "base/symmetric_eigen.h"
 #include "baselines/bounded_search.h"
 #include "baselines/pose_matrix.h"
 #include "baselines/simple_methods.h"
@@ -13,12 +13,26 @@ namespace {
 
 struct Factors {
   PoseForms forms;
-  Eigen::MatrixXf left;   ///< rows x rank, times the singular values
-  Eigen::MatrixXf right;  ///< frames x rank
+  Eigen::MatrixXf left;   ///< rows x rank
+  Eigen::MatrixXf right;  ///< frames x rank; one of the two holds the singular values
 };
 
 Eigen::MatrixXd product(const Factors& factors, int rank) {
   return (factors.left.leftCols(rank) * factors.right.leftCols(rank).transpose()).cast<double>();
+}
+
+/// The singular vectors of one side are the eigenvectors of the matrix times its transpose; of the two products the
+/// smaller one. Projected on these, the matrix gives the other side, the largest values first.
+void decompose(const Eigen::MatrixXd& poses, Factors& factors) {
+  if (poses.rows() <= poses.cols()) {
+    const Eigen::MatrixXd left = symmetric_eigen(poses * poses.transpose()).vectors.rowwise().reverse();
+    factors.left = left.cast<float>();
+    factors.right = (poses.transpose() * left).cast<float>();
+  } else {
+    const Eigen::MatrixXd right = symmetric_eigen(poses.transpose() * poses).vectors.rowwise().reverse();
+    factors.left = (poses * right).cast<float>();
+    factors.right = right.cast<float>();
+  }
 }
 
 class SvdEncoder : public Encoder {
@@ -31,9 +45,7 @@ class SvdEncoder : public Encoder {
       f.forms = pose_forms(source_.skeleton, data_.head, data_.clips[i]);
       const Eigen::MatrixXd poses = to_pose_matrix(source_.skeleton, data_.head, f.forms, data_.clips[i]);
       if (poses.size() == 0) return;
-      const Eigen::BDCSVD<Eigen::MatrixXd> svd(poses, Eigen::ComputeThinU | Eigen::ComputeThinV);
-      f.left = (svd.matrixU() * svd.singularValues().asDiagonal()).cast<float>();
-      f.right = svd.matrixV().cast<float>();
+      decompose(poses, f);
     });
   }
 

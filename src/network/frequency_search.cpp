@@ -1,10 +1,12 @@
 // Finds the next frequency of the network: PCA of the residual, then its DCT.
 #include "network/frequency_search.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "base/symmetric_eigen.h"
 
 namespace nmc::network {
 
@@ -32,12 +34,9 @@ Eigen::VectorXd dct(const Eigen::VectorXd& signal) {
 Eigen::VectorXd first_principal_component(const Eigen::MatrixXd& residual) {
   const Eigen::MatrixXd centred = residual.rowwise() - residual.colwise().mean();
   const Eigen::MatrixXd covariance = centred.transpose() * centred;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  // Eigenvalues ascend.
-  if (solver.info() != Eigen::Success || !(solver.eigenvalues().tail<1>()[0] > 0)) {
-    return Eigen::VectorXd::Unit(residual.cols(), 0);
-  }
-  Eigen::VectorXd component = solver.eigenvectors().rightCols<1>();
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  if (eigen.values.size() == 0 || !(eigen.values.tail<1>()[0] > 0)) return Eigen::VectorXd::Unit(residual.cols(), 0);
+  Eigen::VectorXd component = eigen.vectors.rightCols<1>();
   Eigen::Index largest = 0;
   component.cwiseAbs().maxCoeff(&largest);
   return component[largest] < 0 ? Eigen::VectorXd(-component) : component;

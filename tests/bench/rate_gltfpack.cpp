@@ -44,7 +44,8 @@ class Folder {
 };
 
 std::vector<Setting> settings_for(double key_rate_hz) {
-  const std::set<int> rates{0, 15, 30, 60, 120, std::max(1, static_cast<int>(std::lround(key_rate_hz)))};
+  std::set<int> rates{0, 15, 30, 60, 120, std::max(1, static_cast<int>(std::lround(key_rate_hz)))};
+  std::erase_if(rates, [&](int rate) { return rate > 2 * key_rate_hz && rate > 15; });  // more keys, no less error
   std::vector<Setting> settings;
   for (const int rate : rates)
     for (const int rotation : {8, 9, 10, 11, 12, 14})

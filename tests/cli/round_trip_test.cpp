@@ -183,6 +183,24 @@ TEST_F(RoundTrip, PipesSeeNoProgress) {
   EXPECT_EQ(read_bytes(file("a.glb")), read_bytes(file("b.glb")));
 }
 
+/// What each further clip of a character adds to the JSON of the file that is written.
+TEST_F(RoundTrip, AClipIsLittleJson) {
+  constexpr std::size_t clips = 20;
+  const auto json_bytes = [&](std::size_t count) {
+    TinyGlb glb;
+    const Json wave = glb.json["animations"][0];
+    for (std::size_t i = 0; i < count; ++i) {
+      glb.json["animations"][i] = wave;
+      glb.json["animations"][i]["name"] = "A name of twenty let" + std::to_string(10 + i);
+    }
+    const Json report = compress(input("clips.glb", glb.bytes()), file("packed.glb"), {"--effort", "1"});
+    for (const Json& animation : report["animations"]) EXPECT_EQ(animation["outcome"], "compressed");
+    return split_glb(read_bytes(file("packed.glb"))).json.dump().size();
+  };
+  const std::size_t one = json_bytes(1);
+  EXPECT_LE(json_bytes(clips) - one, (clips - 1) * 250);
+}
+
 /// The characters that samples/ makes, in both profiles.
 TEST_F(RoundTrip, SampleCharacters) {
   const std::string maker = std::string(NMC_BUILD_DIR) + "/make_characters";

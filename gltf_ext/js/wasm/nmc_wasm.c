@@ -98,6 +98,23 @@ static int wasm_start(wasm_near *near) {
   return 1;
 }
 
+/* From a pose to the next one of the clip; of the targets that do not move, `a` has the value. */
+static void wasm_mix(uint32_t clip, const float *a, const float *b, double u, float *out) {
+  nmc__between between;
+  uint32_t t, i;
+  nmc__start_between(u, &between);
+  for (t = 0; t < set.info.targets; ++t) {
+    const nmc_target *target = &set.targets[t];
+    const uint32_t begin = target->offset, end = begin + target->width;
+    const int moves = nmc_state(&set, clip, t) >= NMC_MOVING;
+    if (moves && target->path == NMC_ROTATION) {
+      nmc__slerp(a + begin, b + begin, &between, out + begin);
+    } else {
+      for (i = begin; i < end; ++i) out[i] = moves ? (float)((1 - u) * a[i] + u * b[i]) : a[i];
+    }
+  }
+}
+
 /* The pose at a time, before the first and after the last key that key. Returns 0 if there is no memory for it. */
 WASM_EXPORT(evaluate) int wasm_evaluate(uint32_t clip, double seconds) {
   wasm_near *near = &nears[clip];
@@ -110,7 +127,7 @@ WASM_EXPORT(evaluate) int wasm_evaluate(uint32_t clip, double seconds) {
     memcpy(pose, near->poses[a], set.info.slots * sizeof(float));
   } else {
     b = wasm_sample(near, clip, n + 1, a);
-    nmc__mix(&set, clip, near->poses[a], near->poses[b], u, pose);
+    wasm_mix(clip, near->poses[a], near->poses[b], u, pose);
   }
   return 1;
 }
