@@ -1382,7 +1382,7 @@ static void nmc__rotation(const double *v, const double *reference, float *q) {
   r[1] = reference[3] * e[1] + reference[1] * c + reference[2] * e[0] - reference[0] * e[2];
   r[2] = reference[3] * e[2] + reference[2] * c + reference[0] * e[1] - reference[1] * e[0];
   r[3] = reference[3] * c - reference[0] * e[0] - reference[1] * e[1] - reference[2] * e[2];
-  scale = nmc__inverse_root(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
+  scale = nmc__inverse_root((r[0] * r[0] + r[1] * r[1]) + (r[2] * r[2] + r[3] * r[3]));
   for (i = 0; i < 4; ++i) q[i] = (float)(r[i] * scale);
 }
 
@@ -1706,34 +1706,38 @@ nmc_result nmc_sample(const nmc_set *set, uint32_t index, uint32_t n, float *pos
 /* What is the same for all rotations between two samples. */
 typedef struct nmc__between {
   double u;
-  double first[8];  /* factors of nmc__share for 1 - u */
+  double first[8];  /* terms of nmc__share for 1 - u */
   double second[8]; /* for u */
 } nmc__between;
 
-static void nmc__share_factors(double u, double *factors) {
+static void nmc__share_terms(double u, double *terms) {
+  static const double factors[8] = {1.0 / 3, 1.0 / 10, 1.0 / 21, 1.0 / 36, 1.0 / 55, 1.0 / 78, 1.0 / 105, 1.0 / 136};
   const double w = u * u;
+  double term = 1;
   int k;
-  for (k = 1; k <= 8; ++k) factors[k - 1] = (w - k * k) / (k * (2 * k + 1));
+  for (k = 1; k <= 8; ++k) terms[k - 1] = term *= (w - k * k) * factors[k - 1];
 }
 
 static void nmc__start_between(double u, nmc__between *between) {
   between->u = u;
-  nmc__share_factors(1 - u, between->first);
-  nmc__share_factors(u, between->second);
+  nmc__share_terms(1 - u, between->first);
+  nmc__share_terms(u, between->second);
 }
 
-/* sin(u x) / sin x of z = cos x - 1, 0 <= u <= 1, -0.12 <= z <= 0, error below 1e-11: the series in z, whose factors
- * are (u^2 - k^2) / (k (2 k + 1)). Small angles need half of it. */
-NMC__INLINE double nmc__share(double u, const double *f, double z) {
-  double rest = 1;
-  if (z < -0.002) rest = 1 + z * f[4] * (1 + z * f[5] * (1 + z * f[6] * (1 + z * f[7])));
-  return u * (1 + z * f[0] * (1 + z * f[1] * (1 + z * f[2] * (1 + z * f[3] * rest))));
+/* sin(u x) / sin x of z = cos x - 1, 0 <= u <= 1, -0.12 <= z <= 0, error below 1e-11: the series in z, each of whose
+ * terms is the one before times z (u^2 - k^2) / (k (2 k + 1)). Terms in pairs do not wait for each other; small angles
+ * need half of them. */
+NMC__INLINE double nmc__share(double u, const double *t, double z) {
+  const double z2 = z * z, z4 = z2 * z2;
+  double sum = (1 + t[0] * z) + z2 * (t[1] + t[2] * z) + z4 * t[3];
+  if (z < -0.002) sum += z4 * ((t[4] * z + t[5] * z2) + z2 * (t[6] * z + t[7] * z2));
+  return u * sum;
 }
 
 static void nmc__slerp(const float *a, const float *b, const nmc__between *between, float *out) {
-  double dot = 0, sign, wa, wb, q[4], length = 0;
+  double dot = ((double)a[0] * b[0] + (double)a[1] * b[1]) + ((double)a[2] * b[2] + (double)a[3] * b[3]);
+  double sign, wa, wb, q[4], length;
   int i;
-  for (i = 0; i < 4; ++i) dot += (double)a[i] * b[i];
   sign = dot < 0 ? -1 : 1;
   dot *= sign;
   if (dot > 1) dot = 1;
@@ -1750,10 +1754,9 @@ static void nmc__slerp(const float *a, const float *b, const nmc__between *betwe
     wa = sa / s;
     wb = sb / s;
   }
-  for (i = 0; i < 4; ++i) {
-    q[i] = wa * a[i] + wb * sign * b[i];
-    length += q[i] * q[i];
-  }
+  wb *= sign;
+  for (i = 0; i < 4; ++i) q[i] = wa * a[i] + wb * b[i];
+  length = (q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]);
   length = 1.5 - 0.5 * length; /* 1 / sqrt(length) of what is 1 but for rounding */
   for (i = 0; i < 4; ++i) out[i] = (float)(q[i] * length);
 }
