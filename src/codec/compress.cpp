@@ -1,9 +1,11 @@
 #include "codec/compress.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -121,19 +123,59 @@ bool has_flips(const motion::Clip& clip) {
   return false;
 }
 
+/// What one precision of anchors makes of some clips.
+struct Attempt {
+  std::vector<EncodedSet> sets;
+  std::vector<ClipResult> results;
+  std::vector<std::size_t> missed;
+
+  std::size_t bytes() const {
+    std::size_t sum = 0;
+    for (const EncodedSet& set : sets) sum += set.stream.size();
+    return sum;
+  }
+};
+
+/// Sets of those clips that are within the bound at the usual precision. In clips of few keys most bytes are poses,
+/// which are then tried at coarser steps as well.
+Attempt encode_at_usual_precision(const Source& source, const CompressOptions& options, const motion::ErrorMeter& meter,
+                                  const std::vector<std::size_t>& clips, const std::vector<ClipResult>& results) {
+  constexpr std::size_t few_keys = 64;
+  constexpr std::array coarser{3, 6, 9};
+  const auto attempt = [&](const CompressOptions& with, int precision) {
+    Attempt made{{}, results, {}};
+    made.missed = encode_standard_set(source, with, meter, clips, precision, made.results, made.sets);
+    return made;
+  };
+  const int usual = options.exact_ends ? StandardEncoder::exact_precision : StandardEncoder::usual_precision;
+  Attempt best = attempt(options, usual);
+  std::size_t keys = 0;
+  for (const std::size_t i : clips) keys += source.clips[i].clip.times.size();
+  if (keys > few_keys || options.exact_ends) return best;
+  CompressOptions quiet = options;
+  quiet.progress = nullptr;
+  for (const int step : coarser) {
+    Attempt other = attempt(quiet, usual - step);
+    if (other.missed == best.missed && other.sets.size() == best.sets.size() && other.bytes() < best.bytes())
+      best = std::move(other);
+  }
+  return best;
+}
+
 /// For each bound one set of all clips that have it, another with finer steps for those that need it.
 std::vector<EncodedSet> encode_standard_sets(const Source& source, const CompressOptions& options,
                                              const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
-  const int usual_precision = options.exact_ends ? StandardEncoder::exact_precision : StandardEncoder::usual_precision;
-  const int finest_precision = std::max(usual_precision, StandardEncoder::finest_precision);
+  const int finest_precision =
+      options.exact_ends ? StandardEncoder::exact_precision : StandardEncoder::finest_precision;
   std::vector<EncodedSet> sets;
   for (std::size_t b = 0; b < source.bounds.size(); ++b) {
     std::vector<std::size_t> usual, fine;
     for (std::size_t i = 0; i < source.clips.size(); ++i)
       if (source.clips[i].bound == b) (has_flips(source.clips[i].clip) ? fine : usual).push_back(i);
-    const std::vector<std::size_t> missed =
-        encode_standard_set(source, options, meter, usual, usual_precision, results, sets);
-    fine.insert(fine.end(), missed.begin(), missed.end());
+    Attempt made = encode_at_usual_precision(source, options, meter, usual, results);
+    results = std::move(made.results);
+    std::move(made.sets.begin(), made.sets.end(), std::back_inserter(sets));
+    fine.insert(fine.end(), made.missed.begin(), made.missed.end());
     std::sort(fine.begin(), fine.end());
     encode_standard_set(source, options, meter, fine, finest_precision, results, sets);
   }
