@@ -31,7 +31,8 @@ struct SearchPlan {
 /// Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
 SearchPlan plan_of(int effort, std::size_t samples) {
   const int fewer = static_cast<int>(std::clamp<std::size_t>(samples / 160, 1, 5));
-  if (effort <= 1) return {60, 40, 3 / fewer, 0};
+  if (effort <= 1) return {30, 20, 0, 0};
+  if (effort <= 2) return {60, 40, 3 / fewer, 0};
   if (effort <= 3) return {80, 60, 6 / fewer, 0};
   if (effort <= 5) return {100, 70, std::max(2, 7 / fewer), fewer > 2 ? 0 : 100};
   if (effort <= 7) return {250, 200, 16, 400};
@@ -338,16 +339,17 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
   const motion::Clip& motion = context.source.clips[index].clip;
   clip.layout = layout_clip(motion, context.frame);
   clip.steps = steps_for(context.set, clip.layout);
-  clip.coded = clip.layout.values;
-  for (Eigen::Index i = 0; i < clip.coded.rows(); ++i)
+  Eigen::MatrixXd coded = clip.layout.values;
+  for (Eigen::Index i = 0; i < coded.rows(); ++i)
     if (!clip.layout.parameters[static_cast<std::size_t>(i)].moves)
-      clip.coded.row(i).setConstant(fixed_level(clip.layout, clip.steps, i) * clip.steps.anchor(i));
+      coded.row(i).setConstant(fixed_level(clip.layout, clip.steps, i) * clip.steps.anchor(i));
   const Points& points = points_of(context.source, context.bound);
   const auto positions = [&](const Eigen::MatrixXd& fixed) {
     return MotionMap(context.source.skeleton, context.frame, clip.layout, points, fixed).positions(clip.layout.values);
   };
   clip.wanted = positions(clip.layout.values);
-  clip.offset = in_blocks(positions(clip.coded) - clip.wanted);
+  clip.offset = in_blocks(positions(coded) - clip.wanted);
+  clip.coded = coded.col(0);
   clip.emphasis =
       in_blocks(contact_emphasis(clip.wanted, points.size(), motion.times, context.source.size, contact_weight));
   return clip;

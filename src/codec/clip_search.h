@@ -23,7 +23,7 @@ inline constexpr double kept_share = 0.999;
 struct PreparedClip {
   ClipLayout layout;
   ParameterSteps steps;
-  Eigen::MatrixXd coded;  ///< the layout's values, fixed targets as they are coded
+  Eigen::MatrixXd coded;  ///< the first sample, fixed targets as they are coded
   Rows wanted;            ///< positions of the points of the bound
   LaneRows offset;        ///< in blocks: what the rounding of fixed targets moves them by
   LaneRows emphasis;      ///< in blocks, points x samples: how much an error counts

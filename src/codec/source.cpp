@@ -122,18 +122,18 @@ motion::Skeleton make_skeleton(const gltf::Asset& asset) {
 
 Source read_source(const gltf::Document& document, const CompressOptions& options) {
   Source source;
-  source.asset = gltf::read_asset(document);
-  source.skeleton = make_skeleton(source.asset);
-  if (has_motion(source.asset)) {
-    source.points = gltf::skin_points(document, source.asset);
-    source.all_points = gltf::skin_points(document, source.asset, true);
+  gltf::Asset asset = gltf::read_asset(document);
+  source.skeleton = make_skeleton(asset);
+  if (has_motion(asset)) {
+    source.points = gltf::skin_points(document, asset);
+    source.all_points = gltf::skin_points(document, asset, true);
   }
   source.joint_points = source.skeleton.joints.empty() ? source.points : points_of_joints(source.skeleton);
   source.size = motion::character_size(source.skeleton, source.all_points);
   source.tolerance = in_world_units(options.tolerance, source.size);
   BoundTable bounds({source.skeleton, source.points, source.all_points, source.size, source.tolerance}, options.rules);
-  for (std::size_t i = 0; i < source.asset.animations.size(); ++i) {
-    const gltf::AnimationSource& animation = source.asset.animations[i];
+  for (std::size_t i = 0; i < asset.animations.size(); ++i) {
+    gltf::AnimationSource& animation = asset.animations[i];
     ClipResult result;
     result.animation = static_cast<int>(i);
     result.name = animation.name;
@@ -150,14 +150,15 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     clip.bound = bounds.of(animation.name);
     const double tolerance = bounds.bounds()[clip.bound].finest;
     std::vector<Curve> taken;
-    for (const gltf::Channel& channel : animation.channels) {
-      clip.original.curves.push_back(channel.curve);
-      if (is_kept(animation.name, channel.curve, source.skeleton, options)) {
-        clip.kept.curves.push_back(channel.curve);
+    for (gltf::Channel& channel : animation.channels) {
+      clip.original.curves.push_back(std::move(channel.curve));
+      const Curve& curve = clip.original.curves.back();
+      if (is_kept(animation.name, curve, source.skeleton, options)) {
+        clip.kept.curves.push_back(curve);
         continue;
       }
       clip.channels.push_back(channel.channel);
-      taken.push_back(channel.curve);
+      taken.push_back(curve);
     }
     for (const gltf::UntouchedChannel& channel : animation.untouched) {
       if (channel.curve.node < 0) continue;

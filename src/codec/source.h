@@ -26,7 +26,6 @@ struct ClipSource {
 };
 
 struct Source {
-  gltf::Asset asset;
   motion::Skeleton skeleton;
   Points points;                    ///< joints and extreme vertices
   Points joint_points;              ///< joints alone (the paper's error); the same as `points` where there is no skin
