@@ -39,6 +39,15 @@ SearchPlan plan_of(int effort, std::size_t samples) {
   return {500, 400, 24, 1000};
 }
 
+/// The searches of an effort.
+std::vector<int> efforts_of(int effort) {
+  std::vector<int> efforts;
+  for (const int lower : {5, 7})
+    if (lower < effort) efforts.push_back(lower);
+  efforts.push_back(effort);
+  return efforts;
+}
+
 std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length) {
   const std::size_t last = samples - 1;
   const std::size_t windows = std::max<std::size_t>(1, (last + length / 2) / length);
@@ -79,9 +88,10 @@ struct Trial {
 
 class ClipSearch {
  public:
-  ClipSearch(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
+  ClipSearch(const SearchContext& context, int effort, const PreparedClip& prepared, std::size_t index,
              std::vector<Candidate>* tried)
       : context_(context),
+        effort_(effort),
         tried_(tried),
         prepared_(prepared),
         clip_(context.source.clips[index]),
@@ -90,7 +100,7 @@ class ClipSearch {
              prepared.coded) {}
 
   LevelClip run() {
-    const SearchPlan plan = plan_of(context_.effort, clip_.clip.times.size());
+    const SearchPlan plan = plan_of(effort_, clip_.clip.times.size());
     Trial current = best_cut(plan);
     if (!current.kept) current = first_within_bound(current, plan);
     if (current.kept) descend(current, plan);
@@ -105,6 +115,9 @@ class ClipSearch {
     plain.step_exponent = finest;
     return levels_for(plain, nullptr).levels;
   }
+
+  /// Of what run found; the largest number where nothing is within the bound.
+  std::size_t bytes() const { return best_bytes_; }
 
  private:
   static constexpr std::size_t worth_threads = 1000;  ///< samples from which threads gain more than they cost
@@ -155,7 +168,7 @@ class ClipSearch {
     };
     constexpr std::array<Move, 4> all{{{-stride, 1}, {0, 2}, {0, 0.5}, {stride, 1}}};
     // Finer steps hardly ever make a smaller clip.
-    const std::span<const Move> moves(all.data(), context_.effort > 5 ? 4 : 3);
+    const std::span<const Move> moves(all.data(), effort_ > 5 ? 4 : 3);
     int left = plan.trials;
     for (std::size_t failed = 0, at = 0; failed < moves.size() && left > 0; --left) {
       Trial trial = neighbour(current, moves[at].exponent, moves[at].rate, plan.iterations);
@@ -323,6 +336,7 @@ class ClipSearch {
   }
 
   const SearchContext& context_;
+  int effort_;
   std::vector<Candidate>* tried_;
   const PreparedClip& prepared_;
   const ClipSource& clip_;
@@ -357,7 +371,17 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
 
 LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
                       std::vector<Candidate>* tried) {
-  LevelClip found = ClipSearch(context, prepared, index, tried).run();
+  // Longer trainings end elsewhere, not always at fewer bytes: high efforts have what the lower ones find as well.
+  LevelClip found;
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const int effort : efforts_of(context.effort)) {
+    if (least != std::numeric_limits<std::size_t>::max() && context.is_late()) break;
+    ClipSearch search(context, effort, prepared, index, tried);
+    LevelClip levels = search.run();
+    if (!found.times.empty() && search.bytes() >= least) continue;
+    least = search.bytes();
+    found = std::move(levels);
+  }
   if (!tried) return found;
   const auto smaller = [](const Candidate& a, const Candidate& b) {
     return a.kept != b.kept ? a.kept : a.bytes < b.bytes;

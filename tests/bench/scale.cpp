@@ -1,5 +1,5 @@
 // bench_scale TOOL [NAME...]: makes very large files (clips, joints, long, large), compresses each at effort 1 and
-// prints time and memory beside the limit of four times the file and 500 MB.
+// prints time and memory beside the limit of four times the file and 500 MB, and how they grow from a quarter of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,6 +25,7 @@ struct Shape {
   std::size_t frames = 61;
   double rate = 30;
   std::size_t other_bytes = 0;
+  std::size_t Shape::*grows = nullptr;  ///< what makes it large
 };
 
 /// A chain of joints that sway, with bytes of no meaning beside them.
@@ -102,7 +103,7 @@ class Maker {
   nmc::gltf::Bytes bin_;
 };
 
-void measure(const std::string& tool, const Shape& shape, const std::filesystem::path& folder) {
+nmc::bench::ProgramRun measure(const std::string& tool, const Shape& shape, const std::filesystem::path& folder) {
   const std::string in = (folder / (shape.name + ".glb")).string(), out = (folder / (shape.name + "-out.glb")).string();
   Maker(shape).write(in);
   const auto bytes = static_cast<double>(std::filesystem::file_size(in));
@@ -118,6 +119,18 @@ void measure(const std::string& tool, const Shape& shape, const std::filesystem:
                                                      : "OVER");
   std::fflush(stdout);
   for (const std::string& file : {in, out}) std::filesystem::remove(file);
+  return run;
+}
+
+/// A quarter of it first, for how time and memory grow.
+void measure_growth(const std::string& tool, const Shape& shape, const std::filesystem::path& folder) {
+  Shape quarter = shape;
+  quarter.*shape.grows /= 4;
+  const nmc::bench::ProgramRun small = measure(tool, quarter, folder), whole = measure(tool, shape, folder);
+  fmt::print("{:<8} four times as much takes {:.1f} times the time and {:.1f} times the memory\n", shape.name,
+             whole.seconds / small.seconds,
+             static_cast<double>(whole.peak_bytes) / static_cast<double>(small.peak_bytes));
+  std::fflush(stdout);
 }
 
 }  // namespace
@@ -127,16 +140,16 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "bench_scale TOOL [clips|joints|long|large ...]\n");
     return 1;
   }
-  const std::vector<Shape> shapes{{.name = "clips", .clips = 1000, .joints = 20, .frames = 31},
-                                  {.name = "joints", .joints = 2000},
-                                  {.name = "long", .frames = 30 * 60 * 120, .rate = 120},
-                                  {.name = "large", .other_bytes = 1'500'000'000}};
+  const std::vector<Shape> shapes{{.name = "clips", .clips = 1000, .joints = 20, .frames = 31, .grows = &Shape::clips},
+                                  {.name = "joints", .joints = 2000, .grows = &Shape::joints},
+                                  {.name = "long", .frames = 30 * 60 * 120, .rate = 120, .grows = &Shape::frames},
+                                  {.name = "large", .other_bytes = 1'500'000'000, .grows = &Shape::other_bytes}};
   const std::vector<std::string> wanted(argv + 2, argv + argc);
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "nmc-bench-scale";
   std::filesystem::create_directories(folder);
   for (const Shape& shape : shapes) {
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), shape.name) != wanted.end())
-      measure(argv[1], shape, folder);
+      measure_growth(argv[1], shape, folder);
   }
   std::filesystem::remove_all(folder);
   return 0;
