@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "closed_form.h"
 #include "codec/decoded_set.h"
 #include "codec/paper_profile.h"
 #include "codec/reference_codec.h"
+#include "codec/source.h"
+#include "codec/standard_profile.h"
 #include "compressed_document.h"
 #include "motion/error.h"
 #include "network/fourier_features.h"
@@ -109,6 +112,31 @@ std::size_t step_channels(const Document& document) {
     if (sampler.value("interpolation", "LINEAR") == "STEP") ++count;
   }
   return count;
+}
+
+TEST(Compress, MoreEffortIsNeverLarger) {
+  std::size_t last = std::numeric_limits<std::size_t>::max();
+  for (const int effort : {5, 6, 7, 8}) {
+    CompressOptions options = quick(0.01);
+    options.effort = effort;
+    const CompressResult result = codec::compress(tiny(), options);
+    ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+    EXPECT_LE(result.clips[0].keys_after, last) << "effort " << effort;
+    last = result.clips[0].keys_after;
+  }
+}
+
+/// Where poses are most of the bytes, they are as coarse as the bound lets them be.
+TEST(Compress, AClipOfTwoKeysIsSmallerThanAtTheUsualPrecision) {
+  const Document two = gltf::parse_document(TinyGlb(2).bytes(), "two.glb", {});
+  const CompressOptions options = quick(0.02);
+  const CompressResult result = codec::compress(two, options);
+  ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+  EXPECT_LE(result.clips[0].error.max, 0.02 * result.size);
+  const codec::Source source = codec::read_source(two, options);
+  const auto usual = codec::StandardEncoder(source, options, {0}, codec::StandardEncoder::usual_precision).encode({0});
+  const gltf::CompressedContent content = gltf::read_compression(result.document);
+  EXPECT_LT(content.clip_sets.at(0).stream.size(), usual.stream.size());
 }
 
 TEST(Compress, AStepThatNobodySeesIsAConstant) {
