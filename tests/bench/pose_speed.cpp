@@ -1,19 +1,21 @@
 // How long the C decoder takes for a pose and for a whole clip, beside a plain sampler of the same keys (binary search
-// and slerp). bench_pose_speed [FILE.nmc]: a stream, or without one a made clip of 50 joints.
+// and slerp). bench_pose_speed [FILE...]: the first stream of each compressed file; without files made clips of 50
+// joints.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "codec/clip_set.h"
 #include "codec/decoded_set.h"
 #include "codec/reference_codec.h"
+#include "gltf/document.h"
+#include "gltf/edit.h"
 
 namespace {
 
@@ -157,11 +159,15 @@ void measure(const char* name, const std::vector<std::uint8_t>& stream) {
 
 }  // namespace
 
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
   if (count > 1) {
     for (int i = 1; i < count; ++i) {
-      std::ifstream file(arguments[i], std::ios::binary);
-      measure(arguments[i], {std::istreambuf_iterator<char>(file), {}});
+      const gltf::CompressedContent content = gltf::read_compression(gltf::read_document(arguments[i]));
+      if (content.clip_sets.empty()) {
+        std::fprintf(stderr, "%s: nothing in it is compressed\n", arguments[i]);
+        return 1;
+      }
+      measure(arguments[i], content.clip_sets.front().stream);
     }
     return 0;
   }
@@ -169,4 +175,7 @@ int main(int count, char** arguments) {
     measure(("made, " + std::to_string(weights).substr(0, 3) + " weights a row").c_str(),
             write_clip_set(made_set(weights)));
   return 0;
+} catch (const nmc::Error& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
 }
