@@ -71,6 +71,8 @@ struct ClipResult {
   std::size_t json_after = 0;
   int frequencies = 0;                ///< largest number of frequencies that a pose uses
   motion::ErrorReport error;          ///< of the decoded bytes against the original; zero where the animation is kept
+  double tolerance = 0;               ///< world units; of the points of which no rule says another
+  double finest_tolerance = 0;        ///< world units; the smallest of any point
   double share_of_tolerance = 0;      ///< the largest error of a point in units of that point's tolerance
   double seconds = 0;                 ///< time spent on it
   std::vector<Candidate> candidates;  ///< in the order of the search; where CompressOptions asks for them
@@ -101,6 +103,8 @@ std::vector<Animation> all_animations(const gltf::Document& document, const gltf
 struct VerifiedClip {
   std::string name;
   motion::ErrorReport error;
+  double tolerance = 0;                 ///< as ClipResult's
+  double finest_tolerance = 0;          ///< as ClipResult's
   double share_of_tolerance = 0;        ///< the largest error of a point in units of that point's tolerance
   double joint_share_of_tolerance = 0;  ///< ErrorReport.max_joint in units of the clip's tolerance
 };

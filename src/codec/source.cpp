@@ -137,6 +137,7 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     ClipResult result;
     result.animation = static_cast<int>(i);
     result.name = animation.name;
+    result.tolerance = result.finest_tolerance = source.tolerance;
     if (is_excluded(animation.name, options))
       result.reason = "excluded";
     else if (animation.channels.empty() && animation.untouched.empty())
@@ -149,6 +150,8 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
     clip.original.name = clip.kept.name = animation.name;
     clip.bound = bounds.of(animation.name);
     const double tolerance = bounds.bounds()[clip.bound].finest;
+    source.results.back().tolerance = bounds.bounds()[clip.bound].tolerance;
+    source.results.back().finest_tolerance = tolerance;
     std::vector<Curve> taken;
     for (gltf::Channel& channel : animation.channels) {
       clip.original.curves.push_back(std::move(channel.curve));
@@ -191,6 +194,7 @@ Source with_tolerance(Source source, double tolerance) {
   source.tolerance = tolerance;
   source.bounds = {{tolerance, tolerance, {}, {}}};
   for (ClipSource& clip : source.clips) clip.bound = 0;
+  for (ClipResult& result : source.results) result.tolerance = result.finest_tolerance = tolerance;
   return source;
 }
 

@@ -53,11 +53,11 @@ Verification verify(const gltf::Document& original, const gltf::Document& other,
     const std::size_t found = find_match(original, wanted, other, got, i);
     if (wanted[i].curves.empty()) continue;
     const Animation& shown = got[found];
-    const double bound = table.bounds()[bound_of[i]].tolerance;
+    const Bound& bound = table.bounds()[bound_of[i]];
     const auto& own = scaled[bound_of[i]];
-    VerifiedClip clip{wanted[i].name, meter.report(wanted[i], shown), 0, 0};
-    clip.joint_share_of_tolerance = clip.error.max_joint / bound;
-    clip.share_of_tolerance = (own ? own->report(wanted[i], shown).max : clip.error.max) / bound;
+    VerifiedClip clip{wanted[i].name, meter.report(wanted[i], shown), bound.tolerance, bound.finest, 0, 0};
+    clip.joint_share_of_tolerance = clip.error.max_joint / bound.tolerance;
+    clip.share_of_tolerance = (own ? own->report(wanted[i], shown).max : clip.error.max) / bound.tolerance;
     result.clips.push_back(std::move(clip));
   }
   return result;

@@ -103,6 +103,8 @@ Json clip_json(const ClipResult& clip, double size, const CompressContext& conte
             {"json_bytes_after", clip.json_after},
             {"frequencies", clip.frequencies},
             {"seconds_spent", clip.seconds},
+            {"tolerance_world_units", clip.tolerance},
+            {"finest_tolerance_world_units", clip.finest_tolerance},
             {"share_of_tolerance", clip.share_of_tolerance}};
   json["error"] = error_json(clip.error, size, context.node_names);
   return json;

@@ -74,6 +74,8 @@ nlohmann::ordered_json verify_json(const Verification& result, const VerifyConte
     nlohmann::ordered_json row{
         {"name", clip.name},
         {"holds", holds(clip, context)},
+        {"tolerance_world_units", clip.tolerance},
+        {"finest_tolerance_world_units", clip.finest_tolerance},
         {"share_of_tolerance", context.joints_alone ? clip.joint_share_of_tolerance : clip.share_of_tolerance}};
     row["error"] = error_json(clip.error, result.size, context.node_names);
     json["animations"].push_back(std::move(row));

@@ -1,12 +1,12 @@
 // The HTML report in Chromium: opened as a file, as people do, without a server.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
-import { noShared, noTool, sample, scratch, sharedFile, tool } from './support.mjs';
+import { noShared, noTool, readGlb, sample, scratch, sharedFile, tool } from './support.mjs';
 
 const executablePath = process.env.NMC_CHROMIUM ?? '/usr/bin/chromium';
 const noChromium = existsSync(executablePath) ? false : `needs Chromium (${executablePath}); set NMC_CHROMIUM`;
@@ -223,6 +223,28 @@ for (const width of [390, 820, 1280]) {
     });
   }
 }
+
+test('exceptions from the tolerance have a line of their own', { skip }, async () => {
+  const original = sample('humanoid_30hz.glb');
+  const { json } = readGlb(readFileSync(original));
+  const hand = json.nodes[json.skins[0].joints.at(-1)].name;
+  const [first, second] = json.animations.map(({ name }) => name);
+  const file = join(folder, 'exceptions.html');
+  const options = ['--effort', '1', '--tolerance', '1%', '--tolerance', `0.2%,joint=${hand},clip=${first}`, '--tolerance', `0.5%,clip=${second}`];
+  const report = JSON.parse(execFileSync(tool, [original, join(folder, 'exceptions.glb'), ...options, '--json', '--report', file], { encoding: 'utf8' }));
+  const shares = report.animations.map((row) => [row.tolerance_world_units, row.finest_tolerance_world_units].map((length) => length / report.size_world_units));
+  const near = (actual, expected) => actual.forEach((share, i) => assert.ok(Math.abs(share - expected[i]) < 1e-9, `${actual}`));
+  near(shares[0], [0.01, 0.002]);
+  near(shares[1], [0.005, 0.005]);
+  near(shares[2], [0.01, 0.01]);
+  const { page, complaints } = await open(file);
+  const legend = page.getByText('the finest of an exception');
+  assert.equal(await legend.count(), 1);
+  await page.evaluate(() => window.nmcReport.player.choose(window.nmcReport.data.clips[1]));
+  assert.equal(await legend.count(), 0);
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
 
 // The knight's bound is there to be quick.
 for (const [name, file, tolerance] of [['fox', 'game/fox.glb', '0.1%'], ['knight', 'game/knight_76clips.glb', '5%']]) {

@@ -135,7 +135,9 @@ const charts = {
 function drawErrors(clip) {
   const { seconds, max, worst } = clip.profile;
   const percentOf = (values) => Array.from(values, (v) => (100 * v) / data.size);
-  const tolerance = (100 * report.tolerance_world_units) / data.size;
+  const { tolerance_world_units: usual, finest_tolerance_world_units: finest, share_of_tolerance: used } = clip.row;
+  const tolerances = [...new Set([usual, finest])].map((length) => (100 * length) / data.size);
+  const tolerance = Math.max(...tolerances);
   const start = seconds[0] ?? 0;
   const x = Array.from(seconds, (v) => v - start);
   const most = Math.max(tolerance * 1.15, Math.min(1e6, Math.max(...percentOf(max)) * 1.05));
@@ -146,9 +148,9 @@ function drawErrors(clip) {
     y: [0, most],
     xUnit: 'seconds',
     yUnit: '% of size',
-    label: `The largest error over time stays ${Math.max(...percentOf(max)) <= tolerance ? 'under' : 'not under'} the tolerance of ${percent(tolerance / 100)}.`,
+    label: `The largest error over time stays ${used <= 1 ? 'under' : 'not under'} the tolerance of ${percent(tolerance / 100)}${tolerances.length > 1 ? ' and its exceptions' : ''}.`,
     lines,
-    bounds: [{ y: tolerance }],
+    bounds: tolerances.map((y) => ({ y })),
     head: true,
   });
   find('error-caption').textContent = 'at every key and between; the line is where the player is';
@@ -156,7 +158,7 @@ function drawErrors(clip) {
   keysOfLines(find('error-chart').parentElement, [
     { name: 'worst of all points', colour: 'var(--accent)' },
     ...names,
-    { name: 'tolerance', colour: 'var(--bad)', dashed: true },
+    { name: tolerances.length > 1 ? 'tolerance, and the finest of an exception' : 'tolerance', colour: 'var(--bad)', dashed: true },
   ]);
 }
 
@@ -191,7 +193,7 @@ function drawCandidates(clip) {
   find('candidates-figure').hidden = candidates.length === 0;
   if (candidates.length === 0) return;
   const share = (error) => (100 * error) / data.size;
-  const tolerance = share(report.tolerance_world_units);
+  const tolerance = share(clip.row.tolerance_world_units);
   const shown = candidates.filter(({ error }) => Number.isFinite(error) && share(error) < tolerance * 20);
   const mostBytes = Math.max(...shown.map((c) => c.bytes));
   const mostError = Math.max(tolerance * 1.2, ...shown.map((c) => share(c.error)));
