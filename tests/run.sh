@@ -80,8 +80,8 @@ run_fuzzers() {
   fi
 }
 
-# Tests of scripts, which start the tool very often, and those that skip themselves in a build with sanitizers.
-scripts='^Pipeline[.]|TheCacheKnows|ADamagedEntry'
+# Tests of scripts and batches, which start the tool very often, and those that skip themselves in a build with sanitizers.
+scripts='^(Pipeline|Batch)[.]'
 optimised="$scripts|RealFiles|LargeOnes|ThePageSays|EyesOfTheReferee|TooLittleMemory"
 
 if [ "$preset" = release ]; then

@@ -1,8 +1,9 @@
 // Tojo, Chen and Umetani 2022: figures 2 and 3.
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
+#include <algorithm>
 
+#include "base/symmetric_eigen.h"
 #include "baselines/pose_matrix.h"
 #include "codec/decoded_set.h"
 #include "codec/paper_profile.h"
@@ -38,7 +39,8 @@ void print_figure_3(const codec::Source& source, const std::string& name, int ma
   const baselines::MotionData data = baselines::motion_data(source);
   const baselines::PoseForms forms = baselines::pose_forms(source.skeleton, data.head, data.clips[0]);
   const Eigen::MatrixXd poses = baselines::to_pose_matrix(source.skeleton, data.head, forms, data.clips[0]);
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(poses, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  // The left singular vectors, the largest value first: projected on the first k, the matrix has its best rank k.
+  const Eigen::MatrixXd left = symmetric_eigen(poses * poses.transpose()).vectors.rowwise().reverse();
   for (int k = 0; k <= max_frequencies; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const auto cell = [&](const std::vector<codec::PaperStep>& steps) {
@@ -46,9 +48,8 @@ void print_figure_3(const codec::Source& source, const std::string& name, int ma
       return fmt::format("{:.2f} | {:.2f}", ratio(values, steps[i].parameters),
                          100 * steps[i].joint_error / source.size);
     };
-    const Eigen::Index rank = std::min<Eigen::Index>(k + 1, svd.singularValues().size());
-    const Eigen::MatrixXd low = svd.matrixU().leftCols(rank) * svd.singularValues().head(rank).asDiagonal() *
-                                svd.matrixV().leftCols(rank).transpose();
+    const Eigen::Index rank = std::min<Eigen::Index>({k + 1, poses.rows(), poses.cols()});
+    const Eigen::MatrixXd low = left.leftCols(rank) * (left.leftCols(rank).transpose() * poses);
     const motion::Clip clip =
         baselines::to_clip(data.head, 0, baselines::from_pose_matrix(source.skeleton, data.head, forms, low));
     fmt::print("| {} / {} | {} | {} | {:.2f} | {:.2f} |\n", k, rank, cell(adaptive), cell(naive),
