@@ -21,7 +21,7 @@ std::string method_name(const codec::CompressOptions& options) {
   if (!parts.refinement) return "without repair and pruning";
   if (!parts.corrections) return "without corrections";
   if (options.contact_weight == 1) return "contact weight 1, not 3";
-  return fmt::format("default, effort {}", options.effort);
+  return default_method(options.effort);
 }
 
 /// How many clips stay as keys, and why.

@@ -23,6 +23,9 @@ struct Measurement {
   std::string note;
 };
 
+/// The method's name of the default profile at an effort.
+inline std::string default_method(int effort) { return "default, effort " + std::to_string(effort); }
+
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, method, reached, key_bytes, json_bytes, error, joint_error, jitter,
                                    loop_seam, contact_drift, joints_only, seconds, peak_bytes, note)
 

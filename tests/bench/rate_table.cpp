@@ -50,8 +50,6 @@ std::string cell(const Measurement* row, const Value& value, const char* format 
   return row ? fmt::format(fmt::runtime(format), value(*row)) : "-";
 }
 
-std::string default_at(int effort) { return fmt::format("default, effort {}", effort); }
-
 struct Means {
   Mean dct_keys, gltfpack_keys, gltfpack_all, smooth_keys;
 };
@@ -120,7 +118,7 @@ void print_brief_row(const RateTable& table, const std::vector<int>& efforts) {
   const Measurement* ours = nullptr;
   fmt::print("| {} | {} |", report::printable(table.file), table.tolerance_percent);
   for (const int effort : efforts) {
-    ours = row_of(table, default_at(effort));
+    ours = row_of(table, default_method(effort));
     fmt::print(" {} | {} | {} |", cell(ours, keys), cell(ours, seconds_text), cell(ours, memory_text));
   }
   const Measurement* gltfpack = row_of(table, "gltfpack");
