@@ -106,7 +106,10 @@ typedef struct nmc_window {
   uint32_t features; /* largest feature index used */
 } nmc_window;
 
-/* A correction: value times a raised cosine of half-width 2^width samples around a sample. */
+/* An atom: value times a raised cosine of half-width 2^width samples around a sample. Of width NMC_JUMP: the parameter
+ * jumps by value between the sample before and this one; the line between the anchors of the window that both are in
+ * has that already, as a slope, which is taken away. */
+#define NMC_JUMP 16
 typedef struct nmc_atom {
   uint32_t sample;
   uint16_t parameter;
@@ -137,7 +140,8 @@ typedef struct nmc_clip {
   uint8_t time_mode;
   uint8_t time_exact;   /* 1: the time formula needs no corrections */
   uint8_t even_windows; /* 1: windows of equal length */
-  uint8_t widest;       /* largest width of its atoms */
+  uint8_t widest;       /* largest width of its atoms that are no jumps */
+  uint8_t jumps;        /* 1: some of its atoms are jumps */
 } nmc_clip;
 
 struct nmc_models;
@@ -1225,8 +1229,8 @@ static void nmc__code_atoms(nmc__coder *c, nmc_set *set, uint32_t index, uint32_
     parameter = nmc__simple(c, NMC__S_ATOM_PARAMETER, atom->parameter);
     width = nmc__simple(c, NMC__S_ATOM_WIDTH, atom->width);
     level = nmc__simple_signed(c, NMC__S_ATOM_VALUE, (int32_t)atom->value);
-    if (sample >= clip->samples || parameter >= clip->parameters || !set->levels[parameter] || width > 15 ||
-        level >= 1 << NMC__LEVEL_BITS || level <= -(1 << NMC__LEVEL_BITS)) {
+    if (sample >= clip->samples || parameter >= clip->parameters || !set->levels[parameter] || width > NMC_JUMP ||
+        (width == NMC_JUMP && sample == 0) || level >= 1 << NMC__LEVEL_BITS || level <= -(1 << NMC__LEVEL_BITS)) {
       nmc__fail(c, NMC_ERROR_CORRUPT);
       return;
     }
@@ -1437,7 +1441,10 @@ static void nmc__settle_clip(nmc_set *set, uint32_t index) {
   for (k = 0; k < clip->atoms; ++k) {
     nmc_atom *atom = &set->atoms[clip->first_atom + k];
     atom->value *= (float)nmc__anchor_step(set, (uint32_t)slots[atom->parameter]);
-    if (atom->width > clip->widest) clip->widest = (uint8_t)atom->width;
+    if (atom->width == NMC_JUMP)
+      clip->jumps = 1;
+    else if (atom->width > clip->widest)
+      clip->widest = (uint8_t)atom->width;
   }
 }
 
@@ -1615,24 +1622,47 @@ NMC__INLINE void nmc__add_weights(const nmc_weight *weight, const nmc_weight *en
 static void nmc__add_atom(const nmc_atom *atom, uint32_t n, double *y) {
   const uint32_t away = n > atom->sample ? n - atom->sample : atom->sample - n;
   double s, c;
-  if (away >> atom->width) return;
+  if (atom->width == NMC_JUMP || away >> atom->width) return;
   nmc__sin_cos((double)away / (2.0 * (1u << atom->width)), &s, &c);
   y[atom->parameter] += atom->value * 0.5 * (1 + c);
 }
 
-/* Atoms are sorted by sample: of those that the widest can bring to one of `count` samples from n on. */
-static void nmc__add_atoms(const nmc_set *set, const nmc_clip *clip, uint32_t n, double *const y[2], int count) {
+/* The first of a clip's atoms, which are sorted by sample, that stands at sample + ahead > n. */
+static uint32_t nmc__first_atom(const nmc_set *set, const nmc_clip *clip, uint32_t ahead, uint32_t n) {
   const nmc_atom *atoms = set->atoms + clip->first_atom;
-  const uint32_t reach = 1u << clip->widest;
   uint32_t low = 0, high = clip->atoms;
-  int i;
   while (low < high) {
     const uint32_t middle = (low + high) / 2;
-    if (atoms[middle].sample + reach <= n)
+    if (atoms[middle].sample + ahead <= n)
       low = middle + 1;
     else
       high = middle;
   }
+  return low;
+}
+
+/* The window's jumps lie after its first sample, up to the first one of the next window. */
+static void nmc__add_jumps(const nmc_set *set, const nmc_clip *clip, const nmc_window *w, uint32_t n,
+                           double *const y[2], int count) {
+  const nmc_atom *atoms = set->atoms + clip->first_atom;
+  uint32_t k = nmc__first_atom(set, clip, 0, w->begin);
+  int i;
+  for (; k < clip->atoms && atoms[k].sample <= w->begin + w->length; ++k) {
+    if (atoms[k].width != NMC_JUMP) continue;
+    for (i = 0; i < count; ++i) {
+      const uint32_t at = n + (uint32_t)i;
+      const double line = clip->anchor_rows == 1 ? 0 : (double)(at - w->begin) / w->length;
+      y[i][atoms[k].parameter] += atoms[k].value * ((at >= atoms[k].sample ? 1 : 0) - line);
+    }
+  }
+}
+
+/* Of the others those that the widest can bring to one of `count` samples from n on. */
+static void nmc__add_atoms(const nmc_set *set, const nmc_clip *clip, uint32_t n, double *const y[2], int count) {
+  const nmc_atom *atoms = set->atoms + clip->first_atom;
+  const uint32_t reach = 1u << clip->widest;
+  uint32_t low = nmc__first_atom(set, clip, reach, n);
+  int i;
   for (; low < clip->atoms && atoms[low].sample < n + (uint32_t)(count - 1) + reach; ++low)
     for (i = 0; i < count; ++i) nmc__add_atom(&atoms[low], n + (uint32_t)i, y[i]);
 }
@@ -1655,6 +1685,7 @@ NMC__INLINE void nmc__parameters_at(const nmc_set *set, const nmc_clip *clip, co
   }
   nmc__add_weights(weight, end, work, y, count);
   nmc__add_atoms(set, clip, n, y, count);
+  if (clip->jumps) nmc__add_jumps(set, clip, w, n, y, count);
   if (!set->has_network) return;
   for (i = 0; i < count; ++i) nmc__network(set, clip, states, n + (uint32_t)i, y[i], work[0]);
 }

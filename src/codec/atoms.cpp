@@ -45,6 +45,20 @@ std::optional<std::vector<LevelAtom>> few_atoms(const Lists& lists,
   return now > 0 ? std::nullopt : std::optional(chosen);
 }
 
+/// A jump of `height` within its window: what the line between the anchors does not have.
+void add_jump_values(const LevelAtom& jump, const LevelClip& clip, double height, Eigen::MatrixXd& values) {
+  const auto after = std::lower_bound(clip.windows.begin(), clip.windows.end(), jump.sample,
+                                      [](const LevelWindow& w, std::uint32_t sample) { return w.begin < sample; });
+  const LevelWindow& window = *std::prev(after);
+  const Eigen::Index first = window.begin;
+  const Eigen::Index count =
+      after == clip.windows.end() ? values.cols() - first : static_cast<Eigen::Index>(window.length);
+  const Eigen::MatrixXd shares = anchor_shares(clip.basis, window.length, count);
+  for (Eigen::Index m = 0; m < count; ++m)
+    values(jump.parameter, first + m) +=
+        height * ((first + m >= static_cast<Eigen::Index>(jump.sample) ? 1 : 0) - shares(1, m));
+}
+
 }  // namespace
 
 void put_atom(const LevelAtom& atom, std::vector<LevelAtom>& atoms) {
@@ -63,7 +77,12 @@ void tidy_atoms(std::vector<LevelAtom>& atoms) {
                    [](const LevelAtom& a, const LevelAtom& b) { return a.sample < b.sample; });
 }
 
-void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values) {
+void add_atom_values(const LevelAtom& atom, const LevelClip& clip, const ParameterSteps& steps,
+                     Eigen::MatrixXd& values) {
+  if (atom.width == LevelAtom::jump_width) {
+    add_jump_values(atom, clip, atom.level * steps.anchor(atom.parameter), values);
+    return;
+  }
   const Eigen::Index at = atom.sample, half = Eigen::Index{1} << atom.width;
   const Eigen::Index end = std::min<Eigen::Index>(values.cols(), at + half);
   for (Eigen::Index n = std::max<Eigen::Index>(0, at - half + 1); n < end; ++n)

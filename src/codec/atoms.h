@@ -17,8 +17,9 @@ void put_atom(const LevelAtom& atom, std::vector<LevelAtom>& atoms);
 /// Puts a list into the order of the stream, without atoms that have become nothing.
 void tidy_atoms(std::vector<LevelAtom>& atoms);
 
-/// Adds what one atom means to the values (all parameters x samples).
-void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values);
+/// Adds what one atom of `clip`, whose windows are known, means to the values (all parameters x samples).
+void add_atom_values(const LevelAtom& atom, const LevelClip& clip, const ParameterSteps& steps,
+                     Eigen::MatrixXd& values);
 
 /// The atoms that bring each moving target from `values` (all parameters x samples) to its true values at `count`
 /// samples from `first` on; one list per target that lacks something.

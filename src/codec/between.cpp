@@ -29,7 +29,7 @@ void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, dou
   };
   for (const LevelAtom& atom : needed_atoms(missing_by_target(input.layout, input.steps, n - 1, 2, values), excess)) {
     put_atom(atom, levels.atoms);
-    add_atom_values(atom, input.steps, values);
+    add_atom_values(atom, levels, input.steps, values);
   }
 }
 

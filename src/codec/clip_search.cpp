@@ -11,6 +11,7 @@
 #include "codec/between.h"
 #include "codec/contacts.h"
 #include "codec/corrections.h"
+#include "codec/jumps.h"
 #include "codec/refinement.h"
 #include "codec/set_steps.h"
 
@@ -56,14 +57,24 @@ std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length)
   return boundaries;
 }
 
-/// Bases and windows worth trying for a clip.
-std::vector<SparseSettings> cuts_of(std::size_t samples, bool loops) {
+/// Bases and windows worth trying for a clip. Most clips with jumps are smaller when these are taken out first.
+std::vector<SparseSettings> cuts_of(std::size_t samples, bool loops, bool jumps, int effort) {
   std::vector<SparseSettings> cuts;
   const auto whole = static_cast<std::uint32_t>(samples);
   if (samples <= 400 && !loops) cuts.push_back({.basis = Basis::cosine, .boundaries = {0, whole}});
   if (samples >= 8 && samples <= 400) cuts.push_back({.basis = Basis::periodic, .boundaries = {0, whole - 1}});
   if (samples > 200) cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(samples, 128)});
-  for (SparseSettings& cut : cuts) cut.loops = loops;
+  for (SparseSettings& cut : cuts) {
+    cut.loops = loops;
+    cut.jumps = jumps;
+  }
+  if (jumps && effort > 2) {
+    const std::vector<SparseSettings> with = cuts;
+    for (SparseSettings cut : with) {
+      cut.jumps = false;
+      cuts.push_back(cut);
+    }
+  }
   return cuts;
 }
 
@@ -130,7 +141,8 @@ class ClipSearch {
 
   Trial best_cut(const SearchPlan& plan) {
     Trial best;
-    for (SparseSettings& settings : cuts_of(clip_.clip.times.size(), is_loop(prepared_))) {
+    for (SparseSettings& settings :
+         cuts_of(clip_.clip.times.size(), is_loop(prepared_), !prepared_.jumps.empty(), effort_)) {
       settings.step_exponent = clip_.clip.times.size() > 120 ? -3 : 1;
       settings.rate = usual_rate;
       settings.iterations = plan.first_iterations;
@@ -190,6 +202,7 @@ class ClipSearch {
                                         .tolerance = context_.bound.tolerance,
                                         .threads = threads_,
                                         .parts = context_.parts,
+                                        .atoms = &prepared_.jumps,
                                         .start = start},
                                        map_, settings);
     trained.levels.times = clip_.clip.times;
@@ -212,7 +225,8 @@ class ClipSearch {
     if (trial.bytes >= best_bytes_) return trial;
     // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
     const std::size_t room =
-        20 + std::min(trial.bytes, best_ ? best_bytes_ - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
+        levels.atoms.size() + 20 +
+        std::min(trial.bytes, best_ ? best_bytes_ - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
     if (settings.iterations > 0 && context_.parts.refinement) {
       if (usual_error(levels) > hopeless) return trial;
       repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance * 0.99,
@@ -353,6 +367,7 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
   const motion::Clip& motion = context.source.clips[index].clip;
   clip.layout = layout_clip(motion, context.frame);
   clip.steps = steps_for(context.set, clip.layout);
+  clip.jumps = find_jumps(clip.layout, clip.steps);
   Eigen::MatrixXd coded = clip.layout.values;
   for (Eigen::Index i = 0; i < coded.rows(); ++i)
     if (!clip.layout.parameters[static_cast<std::size_t>(i)].moves)

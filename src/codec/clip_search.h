@@ -23,10 +23,11 @@ inline constexpr double kept_share = 0.999;
 struct PreparedClip {
   ClipLayout layout;
   ParameterSteps steps;
-  Eigen::MatrixXd coded;  ///< the first sample, fixed targets as they are coded
-  Rows wanted;            ///< positions of the points of the bound
-  LaneRows offset;        ///< in blocks: what the rounding of fixed targets moves them by
-  LaneRows emphasis;      ///< in blocks, points x samples: how much an error counts
+  Eigen::MatrixXd coded;         ///< the first sample, fixed targets as they are coded
+  Rows wanted;                   ///< positions of the points of the bound
+  LaneRows offset;               ///< in blocks: what the rounding of fixed targets moves them by
+  std::vector<LevelAtom> jumps;  ///< taken out before training
+  LaneRows emphasis;             ///< in blocks, points x samples: how much an error counts
 };
 
 /// What a search needs to know; all of it outlives the search.

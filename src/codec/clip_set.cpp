@@ -12,6 +12,8 @@
 namespace nmc::codec {
 namespace {
 
+static_assert(LevelAtom::jump_width == NMC_JUMP);
+
 using Bytes = std::vector<std::uint8_t>;
 
 [[noreturn]] void too_large(const char* what) {

@@ -42,8 +42,11 @@ struct LevelWindow {
 struct LevelAtom {
   std::uint32_t sample = 0;
   int parameter = 0;
-  int width = 0;  ///< half-width 2^width samples
+  int width = 0;  ///< half-width 2^width samples, or jump_width
   std::int32_t level = 0;
+
+  static constexpr int jump_width = 16;             ///< a jump between this sample and the one before
+  static constexpr double largest_level = 8388607;  ///< of a stream
 };
 
 /// A network's clip layer (paper: W0, b0 and Omega).

@@ -204,7 +204,7 @@ class Corrector {
 
   void put(const LevelAtom& atom) {
     put_atom(atom, clip_.atoms);
-    add_atom_values(atom, steps_, values_);
+    add_atom_values(atom, clip_, steps_, values_);
   }
 
   void apply(const Candidate& candidate) {
@@ -335,7 +335,7 @@ class Corrector {
     std::erase_if(clip_.atoms, [&](LevelAtom atom) {
       if (atom.sample != static_cast<std::uint32_t>(n) || atom.width != 0) return false;
       atom.level = -atom.level;
-      add_atom_values(atom, steps_, values_);
+      add_atom_values(atom, clip_, steps_, values_);
       return true;
     });
   }

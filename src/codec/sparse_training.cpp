@@ -69,6 +69,7 @@ class Trainer {
       anchor_step_(i) = static_cast<float>(steps_.anchor(parameter(i)));
       slot_step_(i) = static_cast<float>(steps_.slot(parameter(i)));
     }
+    take_atoms_out();
     start_anchors();
     start_windows();
   }
@@ -80,6 +81,20 @@ class Trainer {
 
  private:
   Eigen::Index parameter(Eigen::Index i) const { return layout_.moving[static_cast<std::size_t>(i)]; }
+
+  bool has_atoms() const { return settings_.jumps && input_.atoms; }
+
+  /// What atoms already give is not to be learned.
+  void take_atoms_out() {
+    if (!has_atoms()) return;
+    LevelClip windows;
+    windows.basis = settings_.basis;
+    for (std::size_t w = 0; w + 1 < settings_.boundaries.size(); ++w)
+      windows.windows.push_back({settings_.boundaries[w], settings_.boundaries[w + 1] - settings_.boundaries[w], {}});
+    given_ = Eigen::MatrixXd::Zero(layout_.values.rows(), samples_);
+    for (const LevelAtom& atom : *input_.atoms) add_atom_values(atom, windows, steps_, given_);
+    for (Eigen::Index i = 0; i < parameters_; ++i) truth_.row(i) -= given_.row(parameter(i)).cast<float>();
+  }
 
   bool single_anchor() const { return settings_.basis == Basis::cosine; }
 
@@ -224,8 +239,10 @@ class Trainer {
       const Matrix now = values();
       if (it % refresh == 0) {
         Eigen::MatrixXd middle = layout_.values;
+        if (given_.size() > 0) middle -= given_;
         for (Eigen::Index i = 0; i < parameters_; ++i)
           middle.row(parameter(i)) = 0.5 * (middle.row(parameter(i)) + now.row(i).cast<double>());
+        if (given_.size() > 0) middle += given_;
         map_.linearise(middle, input_.threads);
         if (it > 0) drop_unused_features();
       }
@@ -298,6 +315,7 @@ class Trainer {
                 {static_cast<int>(j) + 1, static_cast<int>(parameter(i)), static_cast<std::int32_t>(level)});
       clip.windows.push_back(std::move(made));
     }
+    if (has_atoms()) clip.atoms = *input_.atoms;
     return clip;
   }
 
@@ -313,7 +331,8 @@ class Trainer {
   const SparseSettings& settings_;
   Eigen::Index parameters_, samples_;
   Eigen::VectorXf anchor_step_, slot_step_;
-  Matrix truth_;
+  Eigen::MatrixXd given_;  ///< by atoms: all parameters x samples; empty where there are none
+  Matrix truth_;           ///< without what is given
   Trained anchors_;
   std::vector<Window> windows_;
   Rows delta_, gradient_;
@@ -355,7 +374,7 @@ Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& st
       values.row(weight.parameter).segment(first, count) +=
           weight.level * steps.slot(weight.parameter) * scale * features.row(weight.feature - 1);
   }
-  for (const LevelAtom& atom : clip.atoms) add_atom_values(atom, steps, values);
+  for (const LevelAtom& atom : clip.atoms) add_atom_values(atom, clip, steps, values);
   return values;
 }
 

@@ -26,6 +26,7 @@ struct SparseSettings {
   double rate = 0.25;    ///< how much a bit weighs against error
   int iterations = 300;  ///< 0: the rounded transform
   bool loops = false;    ///< the last anchor is the first one (not with the cosine basis)
+  bool jumps = false;    ///< the given atoms are in use
 };
 
 /// Levels before rounding: where a training ended and another may start.
@@ -46,11 +47,12 @@ struct TrainingInput {
   double tolerance = 1;  ///< world units
   int threads = 1;
   Parts parts{};
-  const TrainingState* start = nullptr;  ///< of the same basis and boundaries; null: from the transform
+  const std::vector<LevelAtom>* atoms = nullptr;  ///< that the clip may have from the start (codec/jumps.h); null: none
+  const TrainingState* start = nullptr;           ///< of the same basis and boundaries; null: from the transform
 };
 
 struct TrainedClip {
-  LevelClip levels;  ///< anchors and windows (times, states, atoms and reference are left to the caller)
+  LevelClip levels;  ///< anchors, windows and the given atoms (times, states and reference are left to the caller)
   TrainingState state;
 };
 

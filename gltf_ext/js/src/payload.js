@@ -8,6 +8,7 @@ const ROTATION = 1;
 const WEIGHTS = 3;
 const STATIC = 1;
 const QUATERNION = 3;
+const JUMP = 16;
 export const COSINE = 0;
 export const SINE = 2;
 
@@ -352,6 +353,7 @@ class Reader {
     const count = d.simple(REFERENCE);
     this.take('atoms', count);
     clip.atoms = { sample: new Int32Array(count), parameter: new Uint16Array(count), width: new Uint16Array(count), level: new Float64Array(count) };
+    clip.jumps = { sample: [], parameter: [], level: [] };
     const moves = movingFlags(clip);
     let sample = 0;
     for (let i = 0; i < count; ++i) {
@@ -361,11 +363,16 @@ class Reader {
       const parameter = d.simple(ATOM_PARAMETER);
       const width = d.simple(ATOM_WIDTH);
       const level = d.simpleSigned(ATOM_VALUE);
-      need(sample < clip.samples && parameter < clip.parameters && width <= 15 && Math.abs(level) < 2 ** 23, 'an atom is out of range');
+      need(sample < clip.samples && parameter < clip.parameters && width <= (sample > 0 ? JUMP : JUMP - 1) && Math.abs(level) < 2 ** 23, 'an atom is out of range');
       need(moves[parameter], 'an atom moves what does not move');
+      if (width === JUMP) {
+        clip.jumps.sample.push(sample);
+        clip.jumps.parameter.push(parameter);
+        clip.jumps.level.push(level);
+      }
       clip.atoms.sample[i] = sample;
       clip.atoms.parameter[i] = parameter;
-      clip.atoms.width[i] = 2 ** width;
+      clip.atoms.width[i] = width === JUMP ? 0 : 2 ** width;
       clip.atoms.level[i] = level;
     }
   }

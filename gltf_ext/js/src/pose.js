@@ -117,6 +117,7 @@ export class PoseEvaluator {
     this.addAnchors(clip, k, (n - begin) / length, clip.movingParameters);
     if (clip.features[k] > 0) this.addWeights(clip, k, n - begin, length);
     if (clip.atoms.level.length > 0) this.addAtoms(clip, n);
+    if (clip.jumps.sample.length > 0) this.addJumps(clip, n, begin, length);
     if (this.set.hasNetwork) this.addNetwork(clip, clip.samples > 1 ? n / (clip.samples - 1) : 0);
     for (let i = 0; i < clip.moving.length; ++i) this.toPose(clip, clip.moving[i], out);
   }
@@ -173,6 +174,15 @@ export class PoseEvaluator {
     for (; i < sample.length && sample[i] < n + reach; ++i) {
       const d = Math.abs(n - sample[i]);
       if (d < width[i]) this.y[parameter[i]] += (level[i] * clip.steps[parameter[i]] * (1 + Math.cos((Math.PI * d) / width[i]))) / 2;
+    }
+  }
+
+  /** Those of a window stand after its first sample; the line between its anchors has them already, as slopes. */
+  addJumps(clip, n, begin, length) {
+    const { sample, parameter, level } = clip.jumps;
+    const line = clip.basis === COSINE ? 0 : (n - begin) / length;
+    for (let i = lastAtOrBefore(sample, sample.length, begin); i < sample.length && sample[i] <= begin + length; ++i) {
+      if (sample[i] > begin) this.y[parameter[i]] += level[i] * clip.steps[parameter[i]] * ((n >= sample[i] ? 1 : 0) - line);
     }
   }
 
