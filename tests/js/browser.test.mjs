@@ -5,7 +5,7 @@ import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
-import { compressed, noShared, noTool, root, sample, scratch, sharedFile, streams } from './support.mjs';
+import { compressed, noShared, noTool, root, sample, scratch, sharedFile, snippets, streams } from './support.mjs';
 
 const executablePath = process.env.NMC_CHROMIUM ?? '/usr/bin/chromium';
 const noChromium = existsSync(executablePath) ? false : `needs Chromium (${executablePath}); set NMC_CHROMIUM`;
@@ -23,6 +23,15 @@ const policies = new Map([
   ['/wasm', "script-src 'self' 'wasm-unsafe-eval'"],
 ]);
 
+/** Modules that are made here. */
+const modules = new Map([['/snippets/playcanvas.mjs', asFunction(snippets.get('playcanvas'))]]);
+
+/** A piece of docs/engines.md as a module with a function of what stands around it there. */
+function asFunction(code) {
+  const [imports, body] = code.split('\n\n');
+  return `${imports}\nexport async function load(pc, app, file) {\n${body.replaceAll("'character.glb'", 'file')}return asset;\n}\n`;
+}
+
 /** Gives a file of any folder an address on the test's server. */
 function address(file) {
   const path = `/files/${served.size}.glb`;
@@ -36,6 +45,7 @@ before(async () => {
   server = createServer((request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
     if (policies.has(path)) return response.writeHead(200, { 'content-type': 'text/html', 'content-security-policy': policies.get(path) }).end();
+    if (modules.has(path)) return response.writeHead(200, { 'content-type': types['.mjs'] }).end(modules.get(path));
     const file = served.get(path) ?? join(root, path);
     if (!existsSync(file)) return response.writeHead(404).end();
     response.writeHead(200, { 'content-type': types[extname(file)] ?? 'application/octet-stream' }).end(readFileSync(file));
@@ -56,15 +66,19 @@ const characters = [
   { name: 'knight', file: () => sharedFile('game/knight_76clips.glb'), clips: 76, skip: noShared('game/knight_76clips.glb') },
 ];
 
+const engines = [
+  ['three.js', 'three', false],
+  ['three.js, evaluating while playing', 'three', true],
+  ['Babylon.js', 'babylon'],
+  ['PlayCanvas', 'playcanvas'],
+];
+
 for (const { name, file, clips, skip } of characters) {
-  for (const [engine, page, ...options] of [
-    ['three.js', 'three', false],
-    ['three.js, evaluating while playing', 'three', true],
-    ['Babylon.js', 'babylon'],
-  ]) {
+  for (const [engine, page, ...options] of engines) {
     test(`${name} in ${engine}`, { skip: noTool || noChromium || skip }, async () => {
       const files = [file(), compressed(file(), '--tolerance', '0.1%', '--effort', '1')].map(address);
-      const { result, messages, different } = await play(page, files, options, `${name}_${page}${options[0] ? '_streaming' : ''}.png`);
+      const opened = await open(page);
+      const { result, messages, different } = await play(opened, files, options, `${name}_${page}${options[0] ? '_streaming' : ''}.png`);
       assert.deepEqual(messages, []);
       assert.equal(result.clips, clips);
       assert.ok(result.motion > 0.1, 'nothing moves');
@@ -101,7 +115,8 @@ async function openInPage([numbers, decoder]) {
   return [auto.constructor.name, named.constructor.name, keys];
 }
 
-async function play(name, files, options, picture) {
+/** Opens a page, and collects what it complains about. */
+async function open(name) {
   const page = await browser.newPage({ viewport: { width: 808, height: 404 } });
   const messages = [];
   page.on('pageerror', (error) => messages.push(String(error)));
@@ -111,6 +126,10 @@ async function play(name, files, options, picture) {
   );
   await page.goto(`http://127.0.0.1:${server.address().port}/tests/js/pages/${name}.html`);
   await page.waitForFunction(() => window.ready, null, { timeout: 60000 });
+  return { page, messages };
+}
+
+async function play({ page, messages }, files, options, picture) {
   const result = await page.evaluate(([urls, ...rest]) => window.play(urls, ...rest), [files, ...options]);
   await page.screenshot({ path: join(pictures, picture) });
   const different = await page.evaluate(differentPixels);

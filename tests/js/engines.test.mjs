@@ -3,8 +3,20 @@ import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { measureBabylon, measureThree } from './measure.mjs';
-import { channels, compressed, importIn, installPackage, largestDifference, noTool, readGlb, runTool, sample, scratch } from './support.mjs';
+import { measureBabylon, measurePlayCanvas, measureThree, playCanvasModel } from './measure.mjs';
+import {
+  channels,
+  compressed,
+  importIn,
+  installPackage,
+  largestDifference,
+  newPlayCanvas,
+  noTool,
+  readGlb,
+  runTool,
+  sample,
+  scratch,
+} from './support.mjs';
 
 const tolerance = 0.001;
 const allowed = tolerance + 1e-4;
@@ -12,6 +24,12 @@ let folder;
 let files;
 
 const load = (name) => importIn(folder, name);
+
+function checkMeasured({ clips, difference, motion }) {
+  assert.equal(clips, 9);
+  assert.ok(motion > 0.1, 'nothing moves');
+  assert.ok(difference > 0 && difference <= allowed, `${difference}`);
+}
 
 before(async () => {
   folder = mkdtempSync(join(scratch, 'consumer-'));
@@ -45,10 +63,7 @@ for (const streaming of [false, true]) {
       }),
     );
     original.animations.forEach(({ duration }, i) => assert.equal(other.animations[i].duration, duration));
-    const { clips, difference, motion } = measureThree(three, original, other);
-    assert.equal(clips, 9);
-    assert.ok(motion > 0.1, 'nothing moves');
-    assert.ok(difference > 0 && difference <= allowed, `${difference}`);
+    checkMeasured(measureThree(three, original, other));
     const keys = other.animations[0].tracks.reduce((sum, { times }) => sum + times.length, 0);
     assert.ok(streaming ? keys <= 2 * other.animations[0].tracks.length : keys > 1000);
   });
@@ -63,11 +78,23 @@ test('Babylon.js plays a compressed file', { skip: noTool }, async () => {
   for (const file of files)
     containers.push(await LoadAssetContainerAsync(new Uint8Array(readFileSync(file)), scene, { pluginExtension: '.glb' }));
   for (const container of containers) container.addAllToScene();
-  const { clips, difference, motion } = measureBabylon(...containers);
-  assert.equal(clips, 9);
-  assert.ok(motion > 0.1, 'nothing moves');
-  assert.ok(difference > 0 && difference <= allowed, `${difference}`);
+  checkMeasured(measureBabylon(...containers));
   scene.getEngine().dispose();
+});
+
+test('PlayCanvas plays a compressed file that was expanded', { skip: noTool }, async () => {
+  const pc = await load('playcanvas/build/playcanvas.mjs');
+  const { expand } = await load('gltf-nmc');
+  const app = newPlayCanvas(pc);
+  const models = files.map((file) => {
+    // Resources with the same address are loaded once.
+    const asset = new pc.Asset('character', 'container', { url: file, contents: expand(new Uint8Array(readFileSync(file))) });
+    app.assets.add(asset);
+    app.assets.load(asset);
+    return playCanvasModel(app, asset);
+  });
+  checkMeasured(measurePlayCanvas(...(await Promise.all(models))));
+  app.destroy();
 });
 
 test('the plug-ins of Babylon.js and glTF-Transform read with either decoder, and refuse one that there is not', { skip: noTool }, async () => {
