@@ -55,7 +55,10 @@ export function runTool(...args) {
 
 /** The pieces of JavaScript in docs/engines.md, by name. */
 export const snippets = new Map(
-  [...readFileSync(join(root, 'docs/engines.md'), 'utf8').matchAll(/<!-- snippet: (.*?) -->\n```js\n(.*?)```/gs)].map(([, name, code]) => [name, code]),
+  Array.from(
+    readFileSync(join(root, 'docs/engines.md'), 'utf8').matchAll(/<!-- snippet: (.*?) -->\n```js\n(.*?)```/gs),
+    ([, name, code]) => [name, code],
+  ),
 );
 
 /** What a test compresses: name, file and options. The time of a test run is spent here, so effort is low. */
