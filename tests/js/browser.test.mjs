@@ -1,11 +1,11 @@
 // The plug-ins in Chromium: original and compressed file side by side, their joints measured and their pictures compared and kept.
 import assert from 'node:assert/strict';
-import { existsSync, mkdirSync, readFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { after, before, test } from 'node:test';
 import { chromium } from 'playwright-core';
-import { compressed, noShared, noTool, root, sample, scratch, sharedFile, streams } from './support.mjs';
+import { compressed, noShared, noTool, root, sample, scratch, sharedFile, snippets, streams } from './support.mjs';
 
 const executablePath = process.env.NMC_CHROMIUM ?? '/usr/bin/chromium';
 const noChromium = existsSync(executablePath) ? false : `needs Chromium (${executablePath}); set NMC_CHROMIUM`;
@@ -23,6 +23,15 @@ const policies = new Map([
   ['/wasm', "script-src 'self' 'wasm-unsafe-eval'"],
 ]);
 
+/** Modules that are made here. */
+const modules = new Map([['/snippets/playcanvas.mjs', asFunction(snippets.get('playcanvas'))]]);
+
+/** A piece of docs/engines.md as a module with a function of what stands around it there. */
+function asFunction(code) {
+  const [imports, body] = code.split('\n\n');
+  return `${imports}\nexport async function load(pc, app, file) {\n${body.replaceAll("'character.glb'", 'file')}return asset;\n}\n`;
+}
+
 /** Gives a file of any folder an address on the test's server. */
 function address(file) {
   const path = `/files/${served.size}.glb`;
@@ -36,6 +45,7 @@ before(async () => {
   server = createServer((request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
     if (policies.has(path)) return response.writeHead(200, { 'content-type': 'text/html', 'content-security-policy': policies.get(path) }).end();
+    if (modules.has(path)) return response.writeHead(200, { 'content-type': types['.mjs'] }).end(modules.get(path));
     const file = served.get(path) ?? join(root, path);
     if (!existsSync(file)) return response.writeHead(404).end();
     response.writeHead(200, { 'content-type': types[extname(file)] ?? 'application/octet-stream' }).end(readFileSync(file));
@@ -56,15 +66,22 @@ const characters = [
   { name: 'knight', file: () => sharedFile('game/knight_76clips.glb'), clips: 76, skip: noShared('game/knight_76clips.glb') },
 ];
 
+const engines = [
+  ['three.js', 'three', false],
+  ['three.js, evaluating while playing', 'three', true],
+  ['Babylon.js', 'babylon'],
+  ['PlayCanvas', 'playcanvas'],
+];
+
 for (const { name, file, clips, skip } of characters) {
-  for (const [engine, page, ...options] of [
-    ['three.js', 'three', false],
-    ['three.js, evaluating while playing', 'three', true],
-    ['Babylon.js', 'babylon'],
-  ]) {
+  for (const [engine, page, ...options] of engines) {
     test(`${name} in ${engine}`, { skip: noTool || noChromium || skip }, async () => {
-      const files = [file(), compressed(file(), '--tolerance', '0.1%', '--effort', '1')].map(address);
-      const { result, messages, different } = await play(page, files, options, `${name}_${page}${options[0] ? '_streaming' : ''}.png`);
+      const [original, other] = [file(), compressed(file(), '--tolerance', '0.1%', '--effort', '1')];
+      const files = [original, other].map(address);
+      const opened = await open(page);
+      // A page that was handed a broken file plays the next one. One character is enough to see that.
+      if (name === 'humanoid') await refuses(opened, [original, damaged(other)].map(address), options);
+      const { result, messages, different } = await play(opened, files, options, `${name}_${page}${options[0] ? '_streaming' : ''}.png`);
       assert.deepEqual(messages, []);
       assert.equal(result.clips, clips);
       assert.ok(result.motion > 0.1, 'nothing moves');
@@ -101,21 +118,52 @@ async function openInPage([numbers, decoder]) {
   return [auto.constructor.name, named.constructor.name, keys];
 }
 
-async function play(name, files, options, picture) {
+/** Opens a page, and collects what it complains about. */
+async function open(name) {
   const page = await browser.newPage({ viewport: { width: 808, height: 404 } });
-  const messages = [];
-  page.on('pageerror', (error) => messages.push(String(error)));
+  const uncaught = [];
+  const written = [];
+  page.on('pageerror', (error) => uncaught.push(String(error)));
   page.on(
     'console',
-    (message) => ['error', 'warning'].includes(message.type()) && !isAboutRendering(message.text()) && messages.push(message.text()),
+    (message) => ['error', 'warning'].includes(message.type()) && !isAboutRendering(message.text()) && written.push(message.text()),
   );
   await page.goto(`http://127.0.0.1:${server.address().port}/tests/js/pages/${name}.html`);
   await page.waitForFunction(() => window.ready, null, { timeout: 60000 });
+  return { page, uncaught, written };
+}
+
+async function play({ page, uncaught, written }, files, options, picture) {
   const result = await page.evaluate(([urls, ...rest]) => window.play(urls, ...rest), [files, ...options]);
   await page.screenshot({ path: join(pictures, picture) });
   const different = await page.evaluate(differentPixels);
   await page.close();
-  return { result, messages, different };
+  return { result, messages: [...uncaught, ...written], different };
+}
+
+/** The page must reject a damaged file with the decoder's own error, and may write about it. */
+async function refuses({ page, written }, files, options) {
+  const code = await page.evaluate(errorCode, [files, ...options]);
+  assert.equal(code, 'checksum');
+  written.length = 0;
+}
+
+/** The code of the NmcError that a page's play rejects with, directly or inside of an error of the engine; runs in the page. */
+function errorCode([urls, ...rest]) {
+  return window.play(urls, ...rest).then(
+    () => 'plays',
+    (error) => (error.innerError ?? error).code ?? String(error),
+  );
+}
+
+/** A copy of a compressed file with a wrong bit in its first stream. */
+function damaged(file) {
+  const bytes = readFileSync(file);
+  const at = bytes.indexOf(streams(bytes)[0]);
+  bytes[at + 100] ^= 1;
+  const out = join(scratch, 'damaged.glb');
+  writeFileSync(out, bytes);
+  return out;
 }
 
 /** What Chromium says about drawing without a graphics card. */

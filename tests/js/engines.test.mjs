@@ -3,8 +3,20 @@ import assert from 'node:assert/strict';
 import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { measureBabylon, measureThree } from './measure.mjs';
-import { channels, compressed, importIn, installPackage, largestDifference, noTool, readGlb, runTool, sample, scratch } from './support.mjs';
+import { measureBabylon, measurePlayCanvas, measureThree, playCanvasModel } from './measure.mjs';
+import {
+  channels,
+  compressed,
+  importIn,
+  installPackage,
+  largestDifference,
+  newPlayCanvas,
+  noTool,
+  readGlb,
+  runTool,
+  sample,
+  scratch,
+} from './support.mjs';
 
 const tolerance = 0.001;
 const allowed = tolerance + 1e-4;
@@ -12,6 +24,12 @@ let folder;
 let files;
 
 const load = (name) => importIn(folder, name);
+
+function checkMeasured({ clips, difference, motion }) {
+  assert.equal(clips, 9);
+  assert.ok(motion > 0.1, 'nothing moves');
+  assert.ok(difference > 0 && difference <= allowed, `${difference}`);
+}
 
 before(async () => {
   folder = mkdtempSync(join(scratch, 'consumer-'));
@@ -45,10 +63,7 @@ for (const streaming of [false, true]) {
       }),
     );
     original.animations.forEach(({ duration }, i) => assert.equal(other.animations[i].duration, duration));
-    const { clips, difference, motion } = measureThree(three, original, other);
-    assert.equal(clips, 9);
-    assert.ok(motion > 0.1, 'nothing moves');
-    assert.ok(difference > 0 && difference <= allowed, `${difference}`);
+    checkMeasured(measureThree(three, original, other));
     const keys = other.animations[0].tracks.reduce((sum, { times }) => sum + times.length, 0);
     assert.ok(streaming ? keys <= 2 * other.animations[0].tracks.length : keys > 1000);
   });
@@ -63,15 +78,30 @@ test('Babylon.js plays a compressed file', { skip: noTool }, async () => {
   for (const file of files)
     containers.push(await LoadAssetContainerAsync(new Uint8Array(readFileSync(file)), scene, { pluginExtension: '.glb' }));
   for (const container of containers) container.addAllToScene();
-  const { clips, difference, motion } = measureBabylon(...containers);
-  assert.equal(clips, 9);
-  assert.ok(motion > 0.1, 'nothing moves');
-  assert.ok(difference > 0 && difference <= allowed, `${difference}`);
+  checkMeasured(measureBabylon(...containers));
   scene.getEngine().dispose();
 });
 
-test('the plug-ins of Babylon.js and glTF-Transform read with either decoder, and refuse one that there is not', { skip: noTool }, async () => {
-  const bytes = new Uint8Array(readFileSync(files[1]));
+test('PlayCanvas plays a compressed file that was expanded', { skip: noTool }, async () => {
+  const pc = await load('playcanvas/build/playcanvas.mjs');
+  const { expand } = await load('gltf-nmc');
+  const app = newPlayCanvas(pc);
+  const models = files.map((file) => {
+    // Resources with the same address are loaded once.
+    const asset = new pc.Asset('character', 'container', { url: file, contents: expand(new Uint8Array(readFileSync(file))) });
+    app.assets.add(asset);
+    app.assets.load(asset);
+    return playCanvasModel(app, asset);
+  });
+  checkMeasured(measurePlayCanvas(...(await Promise.all(models))));
+  app.destroy();
+});
+
+/** Every way to read a compressed file, with a choice of the decoder. Each gives the number of channels of the first animation. */
+async function readers(bytes) {
+  const { expand, expandJson } = await load('gltf-nmc');
+  const { GLTFLoader } = await load('three/addons/loaders/GLTFLoader.js');
+  const { nmcPlugin } = await load('gltf-nmc/three');
   const { registerGLTFExtension } = await load('@babylonjs/loaders/glTF/2.0/index.js');
   const { EXTENSION, nmcExtension, nmcExtensionWith } = await load('gltf-nmc/babylon');
   const { LoadAssetContainerAsync } = await load('@babylonjs/core/Loading/sceneLoader.js');
@@ -79,24 +109,65 @@ test('the plug-ins of Babylon.js and glTF-Transform read with either decoder, an
   const { Scene } = await load('@babylonjs/core/scene.js');
   const { WebIO } = await load('@gltf-transform/core');
   const { NMCAnimationCompression } = await load('gltf-nmc/gltf-transform');
-  const babylon = (decoder) => {
-    registerGLTFExtension(EXTENSION, true, nmcExtensionWith({ decoder }));
-    return LoadAssetContainerAsync(bytes, new Scene(new NullEngine()), { pluginExtension: '.glb' });
+  const { json, bin } = readGlb(bytes);
+  const transform = async (Extension) => {
+    const document = await new WebIO().registerExtensions([Extension]).readBinary(bytes);
+    return document.getRoot().listAnimations()[0].listChannels().length;
   };
-  const transform = (decoder) => {
-    NMCAnimationCompression.decoder = decoder;
-    return new WebIO().registerExtensions([NMCAnimationCompression]).readBinary(bytes);
+  return {
+    expand: async (decoder) => readGlb(expand(bytes, { decoder })).json.animations[0].channels.length,
+    expandJson: async (decoder) => expandJson(json, [bin], { decoder }).animations[0].channels.length,
+    'three.js': async (decoder) =>
+      (await new GLTFLoader().register(nmcPlugin({ decoder })).parseAsync(bytes.slice().buffer, '')).animations[0].tracks.length,
+    async 'Babylon.js'(decoder) {
+      registerGLTFExtension(EXTENSION, true, nmcExtensionWith({ decoder }));
+      try {
+        const container = await LoadAssetContainerAsync(bytes, new Scene(new NullEngine()), { pluginExtension: '.glb' });
+        return container.animationGroups[0].targetedAnimations.length;
+      } catch (error) {
+        throw error.innerError ?? error;
+      } finally {
+        registerGLTFExtension(EXTENSION, true, nmcExtension);
+      }
+    },
+    async 'glTF-Transform'(decoder) {
+      const before = NMCAnimationCompression.decoder;
+      NMCAnimationCompression.decoder = decoder;
+      try {
+        return await transform(NMCAnimationCompression);
+      } finally {
+        NMCAnimationCompression.decoder = before;
+      }
+    },
+    'glTF-Transform, with a class of its own': (decoder) =>
+      transform(
+        class extends NMCAnimationCompression {
+          static decoder = decoder;
+        },
+      ),
+  };
+}
+
+test('every reader takes each decoder, and refuses one that there is not in the same words', { skip: noTool }, async () => {
+  const { Instance } = WebAssembly;
+  let instances = 0;
+  WebAssembly.Instance = class extends Instance {
+    constructor(...what) {
+      super(...what);
+      ++instances;
+    }
   };
   try {
-    for (const decoder of ['js', 'wasm']) {
-      assert.ok((await babylon(decoder)).animationGroups[0].targetedAnimations.length > 1);
-      assert.ok((await transform(decoder)).getRoot().listAnimations()[0].listChannels().length > 1);
+    for (const [name, read] of Object.entries(await readers(new Uint8Array(readFileSync(files[1]))))) {
+      for (const decoder of [undefined, 'auto', 'js', 'wasm']) {
+        instances = 0;
+        assert.equal(await read(decoder), 53, `${name}, ${decoder}`);
+        assert.equal(instances, decoder === 'js' ? 0 : 1, `${name}, ${decoder}`);
+      }
+      await assert.rejects(() => read('fast'), { name: 'NmcError', code: 'argument', message: 'there is no decoder fast' }, name);
     }
-    await assert.rejects(babylon('fast'), /no decoder fast/);
-    await assert.rejects(transform('fast'), /no decoder fast/);
   } finally {
-    registerGLTFExtension(EXTENSION, true, nmcExtension);
-    NMCAnimationCompression.decoder = 'auto';
+    WebAssembly.Instance = Instance;
   }
 });
 

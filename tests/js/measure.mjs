@@ -86,6 +86,65 @@ function babylonPlayer({ animationGroups, skeletons, transformNodes, meshes }) {
   };
 }
 
+/**
+ * The same for PlayCanvas.
+ * @param {object} original what playCanvasModel gives
+ */
+export function measurePlayCanvas(original, other) {
+  const players = [original, other].map(playCanvasPlayer);
+  return measure(
+    players,
+    original.tracks.map(({ name, duration }) => ({ name, begin: 0, end: duration })),
+  );
+}
+
+function playCanvasPlayer({ entity, tracks }) {
+  const { anim } = entity;
+  const joints = jointsOf(entity);
+  const all = entity.find(() => true);
+  const rest = all.map((node) => [node.getLocalPosition().clone(), node.getLocalRotation().clone(), node.getLocalScale().clone()]);
+  // States are called after the places of their clips, as names may occur twice, and a full stop in a name has a meaning.
+  tracks.forEach((track, index) => anim.assignAnimation(`${index}`, track, undefined, 1, false));
+  const positions = () => joints.flatMap((joint) => joint.getPosition().toArray());
+  return {
+    names: tracks.map(({ name }) => name),
+    rest: positions(),
+    start(index) {
+      anim.baseLayer.play(`${index}`);
+      // Or joints that this clip does not move would get the values of the one before, whatever is set here.
+      anim.rebind();
+      all.forEach((node, i) => {
+        node.setLocalPosition(rest[i][0]);
+        node.setLocalRotation(rest[i][1]);
+        node.setLocalScale(rest[i][2]);
+      });
+    },
+    pose(seconds) {
+      anim.baseLayer.activeStateCurrentTime = seconds;
+      anim.update(0);
+      return positions();
+    },
+  };
+}
+
+/** Waits for a container of PlayCanvas, and adds its model and its animations to the application. */
+export async function playCanvasModel(app, asset) {
+  await new Promise((done, fail) => {
+    asset.on('error', (message) => fail(new Error(message)));
+    asset.ready(done);
+  });
+  const entity = asset.resource.instantiateRenderEntity();
+  entity.addComponent('anim');
+  app.root.addChild(entity);
+  return { entity, tracks: asset.resource.animations.map(({ resource }) => resource) };
+}
+
+/** The joints of a PlayCanvas entity's skins. */
+export function jointsOf(entity) {
+  const skins = entity.findComponents('render').flatMap(({ meshInstances }) => meshInstances.map(({ skinInstance }) => skinInstance));
+  return [...new Set(skins.flatMap((skin) => skin?.bones ?? []))];
+}
+
 function measure([original, other], clips) {
   if (JSON.stringify(original.names) !== JSON.stringify(other.names)) throw new Error(`clips differ: ${other.names}`);
   if (original.rest.length === 0 || original.rest.length !== other.rest.length) throw new Error('the joints differ');

@@ -53,6 +53,14 @@ export function runTool(...args) {
   return execFileSync(tool, args, { encoding: 'utf8' });
 }
 
+/** The pieces of JavaScript in docs/engines.md, by name. */
+export const snippets = new Map(
+  Array.from(
+    readFileSync(join(root, 'docs/engines.md'), 'utf8').matchAll(/<!-- snippet: (.*?) -->\n```js\n(.*?)```/gs),
+    ([, name, code]) => [name, code],
+  ),
+);
+
 /** What a test compresses: name, file and options. The time of a test run is spent here, so effort is low. */
 export const fixtures = [
   ...['0.1%', '1%'].map((tolerance) => fixture(`humanoid at ${tolerance}`, () => sample('humanoid_30hz.glb'), tolerance)),
@@ -135,7 +143,7 @@ export function installPackage(folder) {
   const options = ['--silent', '--offline', '--no-audit', '--no-fund', '--legacy-peer-deps'];
   execFileSync('npm', ['install', ...options, join(folder, tarball)], { cwd: folder, stdio: 'inherit' });
   const engines = join(root, 'tests/node_modules');
-  for (const name of ['three', '@babylonjs', '@gltf-transform', 'property-graph'])
+  for (const name of ['three', '@babylonjs', '@gltf-transform', 'playcanvas', 'property-graph'])
     symlinkSync(join(engines, name), join(folder, 'node_modules', name));
 }
 
@@ -144,4 +152,16 @@ export function importIn(folder, name) {
   const entry = join(folder, `${name.replace(/\W/g, '_')}.mjs`);
   writeFileSync(entry, `export * from '${name}';\n`);
   return import(pathToFileURL(entry).href);
+}
+
+/** A PlayCanvas application that draws nothing and reads no pictures. */
+export function newPlayCanvas(pc) {
+  const canvas = { addEventListener() {}, removeEventListener() {} };
+  const app = new pc.AppBase(canvas);
+  const options = new pc.AppOptions();
+  options.graphicsDevice = new pc.NullGraphicsDevice(canvas);
+  options.componentSystems = [pc.RenderComponentSystem, pc.AnimComponentSystem];
+  options.resourceHandlers = [pc.ContainerHandler, pc.AnimationHandler];
+  app.init(options);
+  return app;
 }

@@ -10,4 +10,4 @@ export const EXTENSION: 'NMC_animation_compression';
 export function nmcExtension(loader: GLTFLoader): IGLTFLoaderExtension;
 
 /** The same with a choice of the decoder: `registerGLTFExtension(EXTENSION, true, nmcExtensionWith({ decoder: 'js' }))`. */
-export function nmcExtensionWith(options: { decoder?: Decoder }): (loader: GLTFLoader) => IGLTFLoaderExtension;
+export function nmcExtensionWith(options?: { decoder?: Decoder }): (loader: GLTFLoader) => IGLTFLoaderExtension;

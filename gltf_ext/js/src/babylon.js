@@ -14,9 +14,9 @@ export function nmcExtension(loader) {
 
 /**
  * The same with options: `registerGLTFExtension(EXTENSION, true, nmcExtensionWith({ decoder: 'js' }))`.
- * @param {{decoder?: string}} options as in openSet
+ * @param {{decoder?: string}} [options] as in openSet
  */
-export function nmcExtensionWith({ decoder }) {
+export function nmcExtensionWith({ decoder } = {}) {
   return (loader) => new NmcAnimationExtension(loader, decoder);
 }
 

@@ -8,7 +8,7 @@ const TYPES = { translation: 'VEC3', rotation: 'VEC4', scale: 'VEC3', weights: '
 export class NMCAnimationCompression extends Extension {
   static EXTENSION_NAME = EXTENSION;
   extensionName = EXTENSION;
-  /** Which decoder reads, as in openSet; to be set before reading. */
+  /** Which decoder reads, as in openSet; to be set before reading. A subclass may have one of its own, for one IO among others. */
   static decoder = 'auto';
 
   /** The hook of the reader. */
@@ -19,7 +19,7 @@ export class NMCAnimationCompression extends Extension {
       context.animations.forEach((animation, index) => {
         const reference = clipReference(json, index);
         if (reference === null) return;
-        if (!sets.has(reference.clipSet)) sets.set(reference.clipSet, openSet(context, reference.clipSet));
+        if (!sets.has(reference.clipSet)) sets.set(reference.clipSet, openSet(context, reference.clipSet, this.constructor.decoder));
         if (reference.stub) removeStub(animation);
         this.addClip(context, animation, reference, sets.get(reference.clipSet));
       });
@@ -48,10 +48,10 @@ export class NMCAnimationCompression extends Extension {
   }
 }
 
-function openSet(context, index) {
+function openSet(context, index, decoder) {
   const { json } = context.jsonDoc;
   const view = clipSetView(json, index);
-  return { ...openClipSet(json, index, context.bufferViews[view], { decoder: NMCAnimationCompression.decoder }), buffer: context.bufferViewBuffers[view] };
+  return { ...openClipSet(json, index, context.bufferViews[view], { decoder }), buffer: context.bufferViewBuffers[view] };
 }
 
 /** Takes the stub's channel away, and what only it used. */
