@@ -109,7 +109,7 @@ typedef struct nmc_window {
 /* An atom: value times a raised cosine of half-width 2^width samples around a sample. Of width NMC_JUMP: the parameter
  * jumps by value between the sample before and this one; the line between the anchors of the window that both are in
  * has that already, as a slope, which is taken away. */
-#define NMC_JUMP 16
+#define NMC_JUMP 17
 typedef struct nmc_atom {
   uint32_t sample;
   uint16_t parameter;
@@ -1229,8 +1229,9 @@ static void nmc__code_atoms(nmc__coder *c, nmc_set *set, uint32_t index, uint32_
     parameter = nmc__simple(c, NMC__S_ATOM_PARAMETER, atom->parameter);
     width = nmc__simple(c, NMC__S_ATOM_WIDTH, atom->width);
     level = nmc__simple_signed(c, NMC__S_ATOM_VALUE, (int32_t)atom->value);
-    if (sample >= clip->samples || parameter >= clip->parameters || !set->levels[parameter] || width > NMC_JUMP ||
-        (width == NMC_JUMP && sample == 0) || level >= 1 << NMC__LEVEL_BITS || level <= -(1 << NMC__LEVEL_BITS)) {
+    if (sample >= clip->samples || parameter >= clip->parameters || !set->levels[parameter] ||
+        (width == NMC_JUMP ? sample == 0 : width > 15) || level >= 1 << NMC__LEVEL_BITS ||
+        level <= -(1 << NMC__LEVEL_BITS)) {
       nmc__fail(c, NMC_ERROR_CORRUPT);
       return;
     }

@@ -45,7 +45,7 @@ struct LevelAtom {
   int width = 0;  ///< half-width 2^width samples, or jump_width
   std::int32_t level = 0;
 
-  static constexpr int jump_width = 16;             ///< a jump between this sample and the one before
+  static constexpr int jump_width = 17;             ///< a jump between this sample and the one before
   static constexpr double largest_level = 8388607;  ///< of a stream
 };
 

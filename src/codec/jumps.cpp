@@ -26,12 +26,12 @@ double usual_difference(const Eigen::RowVectorXd& difference, Eigen::Index n) {
   return around[2];
 }
 
-/// What a jump adds to the difference that is usual around it: of the smaller differences next to it the mean.
-double height(const Eigen::RowVectorXd& difference, Eigen::Index n, double usual) {
+/// What a jump adds to the motion: its difference without the mean of those next to it that are no jumps themselves.
+double height(const Eigen::RowVectorXd& difference, Eigen::Index n) {
   double sum = 0;
   int count = 0;
   for (const Eigen::Index k : {n - 1, n + 1}) {
-    if (k < 1 || k >= difference.size() || std::abs(difference(k)) > usual) continue;
+    if (k < 1 || k >= difference.size() || std::abs(difference(k)) * least_ratio > std::abs(difference(n))) continue;
     sum += difference(k);
     ++count;
   }
@@ -44,8 +44,7 @@ Eigen::RowVectorXd jumps_of(const Eigen::RowVectorXd& values, double step) {
   for (Eigen::Index n = 1; n < values.size(); ++n) difference(n) = (values(n) - values(n - 1)) / step;
   for (Eigen::Index n = 1; n < values.size(); ++n) {
     if (std::abs(difference(n)) < least_steps) continue;
-    const double usual = usual_difference(difference, n);
-    if (std::abs(difference(n)) > least_ratio * usual) jumps(n) = height(difference, n, usual);
+    if (std::abs(difference(n)) > least_ratio * usual_difference(difference, n)) jumps(n) = height(difference, n);
   }
   return jumps;
 }

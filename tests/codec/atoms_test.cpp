@@ -29,12 +29,42 @@ TEST(Atoms, OfOnePlaceAreOne) {
 TEST(Atoms, FallLikeARaisedCosineToTheirHalfWidth) {
   const ParameterSteps steps{Eigen::VectorXd::Ones(2), Eigen::VectorXd::Constant(2, 0.5)};
   Eigen::MatrixXd values = Eigen::MatrixXd::Zero(2, 9);
-  add_atom_values(atom(1, 8, 2, 2), steps, values);
+  add_atom_values(atom(1, 8, 2, 2), {}, steps, values);
   Eigen::RowVectorXd expected(9);
   for (int n = 0; n < 9; ++n)
     expected(n) = n < 6 ? 8 * 0.5 * 0.5 * (1 + std::cos(3.141592653589793 * (n - 2) / 4)) : 0.0;
   EXPECT_EQ(values.row(0).cwiseAbs().maxCoeff(), 0.0);
   EXPECT_LT((values.row(1) - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+/// What a clip of two windows of six samples has at its samples by one jump of height 10.
+Eigen::RowVectorXd jump_values(Basis basis, std::uint32_t sample) {
+  LevelClip clip;
+  clip.basis = basis;
+  clip.windows = {{0, 6, {}}, {6, 6, {}}};
+  if (basis == Basis::cosine) clip.windows = {{0, 13, {}}};
+  const ParameterSteps steps{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Constant(1, 0.5)};
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(1, 13);
+  add_atom_values(atom(0, 20, sample, LevelAtom::jump_width), clip, steps, values);
+  return values;
+}
+
+TEST(Atoms, OfAJumpAreAStepWithoutTheLineOfTheWindow) {
+  Eigen::RowVectorXd expected = Eigen::RowVectorXd::Zero(13);
+  for (int m = 0; m < 6; ++m) expected(m) = 10 * ((m >= 4 ? 1 : 0) - m / 6.0);
+  EXPECT_LT((jump_values(Basis::sine, 4) - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(Atoms, OfAJumpBetweenWindowsBelongToTheFormer) {
+  Eigen::RowVectorXd expected = Eigen::RowVectorXd::Zero(13);
+  for (int m = 0; m < 6; ++m) expected(m) = -10 * m / 6.0;
+  EXPECT_LT((jump_values(Basis::sine, 6) - expected).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(Atoms, OfAJumpAreAllOfTheStepWithTheCosineBasis) {
+  Eigen::RowVectorXd expected = Eigen::RowVectorXd::Zero(13);
+  expected.tail(12).setConstant(10);
+  EXPECT_LT((jump_values(Basis::cosine, 1) - expected).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 double sum_of_levels(const std::vector<LevelAtom>& atoms) {

@@ -81,6 +81,11 @@ class ClosedForm {
     for (const auto& atom : clip_.atoms) {
       const double away = std::abs(static_cast<double>(n) - atom.sample), half = std::pow(2.0, atom.width);
       const auto p = static_cast<std::size_t>(atom.parameter);
+      if (atom.width == codec::LevelAtom::jump_width) {
+        if (atom.sample > window.begin && atom.sample <= window.begin + window.length)
+          y[p] += atom.level * anchor_step(p) * ((n >= atom.sample ? 1 : 0) - (clip_.basis == Basis::cosine ? 0 : u));
+        continue;
+      }
       if (away < half) y[p] += atom.level * anchor_step(p) * 0.5 * (1 + std::cos(std::numbers::pi * away / half));
     }
     if (set_.has_network) {

@@ -87,6 +87,7 @@ const corrupt = {
   atom_gap: [counts({ atoms: 1 }), [head, target, times, moving, 0, 1, [3]]],
   atom_parameter: [counts({ atoms: 1 }), [head, target, times, moving, 0, 1, [1, 3, 0, 5]]],
   atom_width: [counts({ atoms: 1 }), [head, target, times, moving, 0, 1, [1, 0, 16, 5]]],
+  jump_to_the_first_sample: [counts({ atoms: 1 }), [head, target, times, moving, 0, 1, [0, 0, 17, 5]]],
   atom_level: [counts({ atoms: 1 }), [head, target, times, moving, 0, 1, [1, 0, 0, -(2 ** 23)]]],
   atom_of_what_stands_still: [counts({ atoms: 1 }), [head, target, times, still, 0, 1, [1, 0, 0, 5]]],
   more_frequencies: [networkCounts(), [networkHead, 2]],

@@ -145,6 +145,15 @@ ClipSet atoms() {
   return set;
 }
 
+/// In the middle, at the first and at the last sample that can have one, at the seam of two windows.
+ClipSet jumps(Basis basis, std::vector<std::uint32_t> windows) {
+  constexpr int jump = codec::LevelAtom::jump_width;
+  ClipSet set = one_clip({basis, std::move(windows)});
+  const auto last = static_cast<std::uint32_t>(set.clips[0].times.size() - 1);
+  set.clips[0].atoms = {{1, 0, jump, 300}, {3, 3, jump, -45}, {3, 3, 1, 20}, {4, 8, jump, 7}, {last, 9, jump, -500}};
+  return set;
+}
+
 std::vector<float> tensor(std::size_t count, bool quantized, Numbers& numbers) {
   std::vector<float> values;
   for (std::size_t i = 0; i < count; ++i)
@@ -232,6 +241,9 @@ void write_all(const std::string& folder) {
   put("clips", clips());
   put("exact_references", exact_references());
   put("atoms", atoms());
+  put("jumps", jumps(Basis::sine, {3, 3, 4}));
+  put("jumps_cosine", jumps(Basis::cosine, {7}));
+  put("jumps_periodic", jumps(Basis::periodic, {6}));
   put("network_float", network(false, 0));
   put("network_float_weights", network(false, 3));
   put("network_quantized", network(true, 0));

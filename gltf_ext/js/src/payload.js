@@ -8,7 +8,7 @@ const ROTATION = 1;
 const WEIGHTS = 3;
 const STATIC = 1;
 const QUATERNION = 3;
-const JUMP = 16;
+const JUMP = 17;
 export const COSINE = 0;
 export const SINE = 2;
 
@@ -363,7 +363,7 @@ class Reader {
       const parameter = d.simple(ATOM_PARAMETER);
       const width = d.simple(ATOM_WIDTH);
       const level = d.simpleSigned(ATOM_VALUE);
-      need(sample < clip.samples && parameter < clip.parameters && width <= (sample > 0 ? JUMP : JUMP - 1) && Math.abs(level) < 2 ** 23, 'an atom is out of range');
+      need(sample < clip.samples && parameter < clip.parameters && (width === JUMP ? sample > 0 : width <= 15) && Math.abs(level) < 2 ** 23, 'an atom is out of range');
       need(moves[parameter], 'an atom moves what does not move');
       if (width === JUMP) {
         clip.jumps.sample.push(sample);
