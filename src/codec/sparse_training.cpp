@@ -10,6 +10,8 @@ namespace nmc::codec {
 namespace {
 
 using Matrix = Eigen::MatrixXf;
+/// Parameters x samples, laid out as the errors are.
+using Curves = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Numbers under training with the moments of Adam (Kingma and Ba 2015).
 struct Trained {
@@ -188,8 +190,8 @@ class Trainer {
     return ends * window.shares;
   }
 
-  Matrix values() const {
-    Matrix out(parameters_, samples_);
+  Curves values() const {
+    Curves out(parameters_, samples_);
     for (std::size_t w = 0; w < windows_.size(); ++w) {
       const Window& window = windows_[w];
       out.middleCols(window.first, window.samples) = anchor_values(window, w);
@@ -200,7 +202,7 @@ class Trainer {
     return out;
   }
 
-  void backward(const Matrix& gradient, float rate_weight) {
+  void backward(const Eigen::Ref<const Curves>& gradient, float rate_weight) {
     anchors_.gradient.setZero();
     for (std::size_t w = 0; w < windows_.size(); ++w) {
       Window& window = windows_[w];
@@ -236,7 +238,7 @@ class Trainer {
     for (int it = 0; it < settings_.iterations; ++it) {
       const double done = static_cast<double>(it) / settings_.iterations;
       const double progress = input_.start ? continued + (1 - continued) * done : done;
-      const Matrix now = values();
+      const Curves now = values();
       if (it % refresh == 0) {
         Eigen::MatrixXd middle = layout_.values;
         if (given_.size() > 0) middle -= given_;
@@ -332,7 +334,7 @@ class Trainer {
   Eigen::Index parameters_, samples_;
   Eigen::VectorXf anchor_step_, slot_step_;
   Eigen::MatrixXd given_;  ///< by atoms: all parameters x samples; empty where there are none
-  Matrix truth_;           ///< without what is given
+  Curves truth_;           ///< without what is given
   Trained anchors_;
   std::vector<Window> windows_;
   Rows delta_, gradient_;

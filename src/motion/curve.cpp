@@ -87,8 +87,10 @@ CurveReader::CurveReader(const Curve& curve) : curve_(&curve) {
 void CurveReader::seek(double seconds) {
   const std::vector<float>& times = curve_->times;
   if (times.size() < 2) return;
+  constexpr std::size_t near = 4;  // segments that a player steps over from one pose to the next
   const std::size_t last = times.size() - 2;
-  if (seconds < static_cast<double>(times[segment_])) {
+  if (seconds < static_cast<double>(times[segment_]) ||
+      seconds >= static_cast<double>(times[std::min(last, segment_ + near)])) {
     const auto after = std::upper_bound(times.begin(), times.end(), seconds,
                                         [](double t, float key) { return t < static_cast<double>(key); });
     segment_ = std::min(last, static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - times.begin() - 1, 0)));
