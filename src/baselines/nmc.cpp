@@ -1,13 +1,10 @@
 // gltf-nmc's own default, and the paper's network with adaptive and with consecutive frequencies.
-#include <algorithm>
-#include <limits>
-#include <numeric>
-
 #include "base/parallel.h"
 #include "baselines/clip_sets.h"
 #include "codec/decoded_set.h"
 #include "codec/paper_profile.h"
 #include "codec/standard_profile.h"
+#include "codec/standard_sets.h"
 #include "motion/error.h"
 
 namespace nmc::baselines {
@@ -16,7 +13,8 @@ namespace {
 using codec::EncodedSet;
 using codec::Source;
 
-/// The default profile on all clips; what it cannot bring within the bound is coded again with finer steps.
+/// The default profile on all clips; those that it would leave as they are, since they miss the bound, are coded at its
+/// finest steps.
 class NmcEncoder : public Encoder {
  public:
   NmcEncoder(const Source& source, const EncodeSettings& settings) : source_(source), settings_(settings) {}
@@ -27,30 +25,36 @@ class NmcEncoder : public Encoder {
     options.tolerance = {source.tolerance, codec::Tolerance::Unit::world_units};
     options.effort = settings_.effort;
     options.threads = settings_.threads;
-    std::vector<std::size_t> all(source.clips.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    using codec::StandardEncoder;
-    const StandardEncoder usual(source, options, all, StandardEncoder::usual_precision);
-    const EncodedSet whole = usual.encode(all);
-    const std::vector<std::size_t> missed = over_tolerance(source, whole);
-    if (missed.empty()) return write_sets({{whole}}, all.size());
-    std::vector<std::size_t> good;
-    std::set_difference(all.begin(), all.end(), missed.begin(), missed.end(), std::back_inserter(good));
-    std::vector<EncodedSet> sets;
-    if (!good.empty()) sets.push_back(usual.encode(good));
-    sets.push_back(StandardEncoder(source, options, missed, StandardEncoder::finest_precision).encode(missed));
-    return write_sets(sets, all.size());
+    std::vector<codec::ClipResult> results = source.results;
+    const auto judge = [&](const EncodedSet& set, std::vector<codec::ClipResult>& into) {
+      judge_by_error(source, set, into);
+    };
+    std::vector<EncodedSet> sets = codec::encode_standard_sets(source, options, judge, results);
+    if (const std::vector<std::size_t> missed = without_set(source, sets); !missed.empty())
+      sets.push_back(
+          codec::StandardEncoder(source, options, missed, codec::StandardEncoder::finest_precision).encode(missed));
+    return write_sets(sets, source.clips.size());
   }
 
  private:
-  std::vector<std::size_t> over_tolerance(const Source& source, const EncodedSet& set) const {
+  static void judge_by_error(const Source& source, const EncodedSet& set, std::vector<codec::ClipResult>& results) {
     const motion::ErrorMeter meter(source.skeleton, source.all_points);
     const codec::DecodedSet decoded(set.stream, "the new clip set");
     const std::vector<int> nodes = nodes_of(set);
+    for (std::size_t i = 0; i < set.clips.size(); ++i) {
+      const double error = largest_error(source, meter, set.clips[i], decoded.clip(i, nodes));
+      results[static_cast<std::size_t>(source.clips[set.clips[i]].animation)].outcome =
+          error <= source.tolerance ? codec::Outcome::compressed : codec::Outcome::kept_over_tolerance;
+    }
+  }
+
+  static std::vector<std::size_t> without_set(const Source& source, const std::vector<EncodedSet>& sets) {
+    std::vector<bool> has_set(source.clips.size(), false);
+    for (const EncodedSet& set : sets)
+      for (const std::size_t clip : set.clips) has_set[clip] = true;
     std::vector<std::size_t> missed;
-    for (std::size_t i = 0; i < set.clips.size(); ++i)
-      if (!(largest_error(source, meter, set.clips[i], decoded.clip(i, nodes)) <= source.tolerance))
-        missed.push_back(set.clips[i]);
+    for (std::size_t i = 0; i < has_set.size(); ++i)
+      if (!has_set[i]) missed.push_back(i);
     return missed;
   }
 

@@ -1,11 +1,6 @@
 #include "codec/compress.h"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <cmath>
-#include <glm/gtc/constants.hpp>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -14,7 +9,7 @@
 #include "codec/decoded_set.h"
 #include "codec/paper_profile.h"
 #include "codec/source.h"
-#include "codec/standard_profile.h"
+#include "codec/standard_sets.h"
 #include "gltf/cost.h"
 
 namespace nmc::codec {
@@ -81,107 +76,6 @@ std::vector<EncodedSet> encode_paper_sets(const Source& source, const CompressOp
   return sets;
 }
 
-/// Appends a set of those clips that are better off compressed (clips that must stay are taken out and the rest coded
-/// again). Returns the clips that are not within the tolerance.
-std::vector<std::size_t> encode_standard_set(const Source& source, const CompressOptions& options,
-                                             const motion::ErrorMeter& meter, std::vector<std::size_t> clips,
-                                             int precision, std::vector<ClipResult>& results,
-                                             std::vector<EncodedSet>& sets) {
-  const StandardEncoder encoder(source, options, clips, precision);
-  std::vector<std::size_t> missed;
-  while (!clips.empty()) {
-    EncodedSet set = encoder.encode(clips);
-    judge(source, options, meter, set, results);
-    std::vector<std::size_t> good;
-    for (const std::size_t i : clips) {
-      const Outcome outcome = results[static_cast<std::size_t>(source.clips[i].animation)].outcome;
-      if (outcome == Outcome::compressed) good.push_back(i);
-      if (outcome == Outcome::kept_over_tolerance) missed.push_back(i);
-    }
-    if (good.size() == clips.size()) {
-      sets.push_back(std::move(set));
-      break;
-    }
-    clips = std::move(good);
-  }
-  return missed;
-}
-
-/// A joint that turns by nearly half a turn from one key to the next is in between as exact as its keys are many times
-/// over: which way it turns depends on the last bits.
-bool has_flips(const motion::Clip& clip) {
-  constexpr double half_turn_share = 0.95;
-  for (const motion::Track& track : clip.tracks) {
-    if (track.path != Path::rotation) continue;
-    for (std::size_t k = 4; k < track.values.size(); k += 4) {
-      double dot = 0;
-      for (std::size_t a = 0; a < 4; ++a)
-        dot += static_cast<double>(track.values[k + a]) * static_cast<double>(track.values[k + a - 4]);
-      if (std::abs(dot) < std::cos(half_turn_share * glm::half_pi<double>())) return true;
-    }
-  }
-  return false;
-}
-
-/// What one precision of anchors makes of some clips.
-struct Attempt {
-  std::vector<EncodedSet> sets;
-  std::vector<ClipResult> results;
-  std::vector<std::size_t> missed;
-
-  std::size_t bytes() const {
-    std::size_t sum = 0;
-    for (const EncodedSet& set : sets) sum += set.stream.size();
-    return sum;
-  }
-};
-
-/// Sets of those clips that are within the bound at the usual precision. In clips of few keys most bytes are poses,
-/// which are then tried at coarser steps as well.
-Attempt encode_at_usual_precision(const Source& source, const CompressOptions& options, const motion::ErrorMeter& meter,
-                                  const std::vector<std::size_t>& clips, const std::vector<ClipResult>& results) {
-  constexpr std::size_t few_keys = 64;
-  constexpr std::array coarser{3, 6, 9};
-  const auto attempt = [&](const CompressOptions& with, int precision) {
-    Attempt made{{}, results, {}};
-    made.missed = encode_standard_set(source, with, meter, clips, precision, made.results, made.sets);
-    return made;
-  };
-  const int usual = options.exact_ends ? StandardEncoder::exact_precision : StandardEncoder::usual_precision;
-  Attempt best = attempt(options, usual);
-  std::size_t keys = 0;
-  for (const std::size_t i : clips) keys += source.clips[i].clip.times.size();
-  if (keys > few_keys || options.exact_ends) return best;
-  CompressOptions quiet = options;
-  quiet.progress = nullptr;
-  for (const int step : coarser) {
-    Attempt other = attempt(quiet, usual - step);
-    if (other.missed == best.missed && other.sets.size() == best.sets.size() && other.bytes() < best.bytes())
-      best = std::move(other);
-  }
-  return best;
-}
-
-/// For each bound one set of all clips that have it, another with finer steps for those that need it.
-std::vector<EncodedSet> encode_standard_sets(const Source& source, const CompressOptions& options,
-                                             const motion::ErrorMeter& meter, std::vector<ClipResult>& results) {
-  const int finest_precision =
-      options.exact_ends ? StandardEncoder::exact_precision : StandardEncoder::finest_precision;
-  std::vector<EncodedSet> sets;
-  for (std::size_t b = 0; b < source.bounds.size(); ++b) {
-    std::vector<std::size_t> usual, fine;
-    for (std::size_t i = 0; i < source.clips.size(); ++i)
-      if (source.clips[i].bound == b) (has_flips(source.clips[i].clip) ? fine : usual).push_back(i);
-    Attempt made = encode_at_usual_precision(source, options, meter, usual, results);
-    results = std::move(made.results);
-    std::move(made.sets.begin(), made.sets.end(), std::back_inserter(sets));
-    fine.insert(fine.end(), made.missed.begin(), made.missed.end());
-    std::sort(fine.begin(), fine.end());
-    encode_standard_set(source, options, meter, fine, finest_precision, results, sets);
-  }
-  return sets;
-}
-
 }  // namespace
 
 CompressResult compress(const gltf::Document& document, const CompressOptions& options) {
@@ -200,9 +94,12 @@ CompressResult compress(const gltf::Document& document, const CompressOptions& o
     clip.json_before = clip.json_after = before[static_cast<std::size_t>(clip.animation)].json_bytes;
   }
   const motion::ErrorMeter meter(source.skeleton, source.all_points);
+  const Judge judge_here = [&](const EncodedSet& set, std::vector<ClipResult>& results) {
+    judge(source, options, meter, set, results);
+  };
   const std::vector<EncodedSet> sets = options.profile == Profile::paper
                                            ? encode_paper_sets(source, options, meter, result.clips)
-                                           : encode_standard_sets(source, options, meter, result.clips);
+                                           : encode_standard_sets(source, options, judge_here, result.clips);
   result.document = document;
   if (!sets.empty()) {
     gltf::CompressionEdit edit = compression_edit(source, sets);
