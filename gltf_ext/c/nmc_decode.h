@@ -1370,9 +1370,10 @@ static void nmc__code_payload(nmc__coder *c, nmc_set *set) {
 
 /* ---- From levels to values ---- */
 
-static void nmc__rotation(const double *v, const double *reference, float *q) {
+/* exp(v) as quaternion x, y, z, w. */
+NMC__INLINE void nmc__exponential(const double *v, double *e) {
   const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  double s, c, e[3], r[4], scale;
+  double s, c;
   int i;
   if (square < 2) { /* half the angle is below pi / 4 */
     s = 0.5 * nmc__sine_ratio(square / 4);
@@ -1383,12 +1384,25 @@ static void nmc__rotation(const double *v, const double *reference, float *q) {
     s /= angle;
   }
   for (i = 0; i < 3; ++i) e[i] = v[i] * s;
-  r[0] = reference[3] * e[0] + reference[0] * c + reference[1] * e[2] - reference[2] * e[1];
-  r[1] = reference[3] * e[1] + reference[1] * c + reference[2] * e[0] - reference[0] * e[2];
-  r[2] = reference[3] * e[2] + reference[2] * c + reference[0] * e[1] - reference[1] * e[0];
-  r[3] = reference[3] * c - reference[0] * e[0] - reference[1] * e[1] - reference[2] * e[2];
+  e[3] = c;
+}
+
+/* q = reference * e, of unit length; both are, but for rounding. */
+NMC__INLINE void nmc__turned(const double *reference, const double *e, float *q) {
+  double r[4], scale;
+  int i;
+  r[0] = reference[3] * e[0] + reference[0] * e[3] + reference[1] * e[2] - reference[2] * e[1];
+  r[1] = reference[3] * e[1] + reference[1] * e[3] + reference[2] * e[0] - reference[0] * e[2];
+  r[2] = reference[3] * e[2] + reference[2] * e[3] + reference[0] * e[1] - reference[1] * e[0];
+  r[3] = reference[3] * e[3] - reference[0] * e[0] - reference[1] * e[1] - reference[2] * e[2];
   scale = nmc__inverse_root((r[0] * r[0] + r[1] * r[1]) + (r[2] * r[2] + r[3] * r[3]));
   for (i = 0; i < 4; ++i) q[i] = (float)(r[i] * scale);
+}
+
+static void nmc__rotation(const double *v, const double *reference, float *q) {
+  double e[4];
+  nmc__exponential(v, e);
+  nmc__turned(reference, e, q);
 }
 
 static nmc_result nmc__settle_references(nmc_set *set) {
@@ -1527,29 +1541,34 @@ int nmc_state(const nmc_set *set, uint32_t clip, uint32_t target) {
 
 /* ---- Evaluation ---- */
 
-/* f[j] for j = 1 .. count at sample n: one sine and cosine, then rotations by the first angle. */
-static void nmc__features(const nmc_clip *clip, const nmc_window *w, uint32_t n, uint32_t count, double *f) {
-  double s1, c1, s, c, t;
+/* In turns of 2 pi: by what a window's features turn from one to the next at sample n. */
+static double nmc__turns(const nmc_clip *clip, const nmc_window *w, uint32_t n) {
+  if (clip->basis == NMC_COSINE) return (2.0 * n + 1) / (4.0 * w->length);
+  return (double)(n - w->begin) / (clip->basis == NMC_PERIODIC ? 1.0 * w->length : 2.0 * w->length);
+}
+
+/* Features 1 .. count of sample n, or of n and n + 1 side by side: feature j of sample n + i into f[j * samples + i].
+ * One sine and cosine, then rotations by the first angle. */
+NMC__INLINE void nmc__features(const nmc_clip *clip, const nmc_window *w, uint32_t n, uint32_t count, double *f,
+                               const int samples) {
+  double s1[2], c1[2], s[2], c[2];
   uint32_t j;
+  int i;
   if (count == 0) return;
-  if (clip->basis == NMC_COSINE)
-    nmc__sin_cos((2.0 * n + 1) / (4.0 * w->length), &s1, &c1);
-  else if (clip->basis == NMC_PERIODIC)
-    nmc__sin_cos((double)(n - w->begin) / w->length, &s1, &c1);
-  else
-    nmc__sin_cos((double)(n - w->begin) / (2.0 * w->length), &s1, &c1);
-  s = s1;
-  c = c1;
+  for (i = 0; i < samples; ++i) {
+    nmc__sin_cos(nmc__turns(clip, w, n + (uint32_t)i), &s1[i], &c1[i]);
+    s[i] = s1[i];
+    c[i] = c1[i];
+  }
   for (j = 1; j <= count; ++j) {
-    if (clip->basis == NMC_PERIODIC) {
-      f[j] = j & 1u ? c : s;
-      if (j & 1u) continue;
-    } else {
-      f[j] = clip->basis == NMC_COSINE ? c : s;
+    const int cosine = clip->basis == NMC_PERIODIC ? (int)(j & 1u) : clip->basis == NMC_COSINE;
+    for (i = 0; i < samples; ++i) f[j * (uint32_t)samples + (uint32_t)i] = cosine ? c[i] : s[i];
+    if (cosine && clip->basis == NMC_PERIODIC) continue;
+    for (i = 0; i < samples; ++i) {
+      const double t = c[i] * c1[i] - s[i] * s1[i];
+      s[i] = s[i] * c1[i] + c[i] * s1[i];
+      c[i] = t;
     }
-    t = c * c1 - s * s1;
-    s = s * c1 + c * s1;
-    c = t;
   }
 }
 
@@ -1605,15 +1624,15 @@ static uint32_t nmc__window_of(const nmc_set *set, const nmc_clip *clip, uint32_
   return low;
 }
 
-/* Adds the windows' weights of one sample, or of two at once. */
-NMC__INLINE void nmc__add_weights(const nmc_weight *weight, const nmc_weight *end, double *const f[2],
-                                  double *const y[2], const int count) {
+/* Adds the windows' weights of one sample, or of two at once, whose features stand side by side. */
+NMC__INLINE void nmc__add_weights(const nmc_weight *weight, const nmc_weight *end, const double *f, double *const y[2],
+                                  const int count) {
   int i;
   while (weight != end) { /* weights of one parameter stand together */
     const uint32_t parameter = weight->parameter;
     double sum[2] = {0, 0};
     do {
-      for (i = 0; i < count; ++i) sum[i] += weight->value * f[i][weight->feature];
+      for (i = 0; i < count; ++i) sum[i] += weight->value * f[weight->feature * count + i];
       ++weight;
     } while (weight != end && weight->parameter == parameter);
     for (i = 0; i < count; ++i) y[i][parameter] += sum[i];
@@ -1671,7 +1690,7 @@ static void nmc__add_atoms(const nmc_set *set, const nmc_clip *clip, uint32_t n,
 /* The clip's parameters at sample n, or at n and n + 1 (count 2), which the same window covers: it ends where the next
  * one begins. */
 NMC__INLINE void nmc__parameters_at(const nmc_set *set, const nmc_clip *clip, const uint8_t *states, uint32_t n,
-                                    double *const y[2], double *const work[2], const int count) {
+                                    double *const y[2], double *work, const int count) {
   const nmc_window *w = &set->windows[clip->first_window + nmc__window_of(set, clip, n)];
   const nmc_weight *weight = set->weights + w->first_weight, *end = weight + w->weights;
   const uint32_t k = clip->anchor_rows == 1 ? 0 : (uint32_t)(w - set->windows) - clip->first_window;
@@ -1682,13 +1701,13 @@ NMC__INLINE void nmc__parameters_at(const nmc_set *set, const nmc_clip *clip, co
   for (i = 0; i < count; ++i) {
     const double u = (double)(n + (uint32_t)i - w->begin) / w->length;
     for (p = 0; p < clip->parameters; ++p) y[i][p] = row[p] + u * ((double)after[p] - row[p]);
-    nmc__features(clip, w, n + (uint32_t)i, w->features, work[i]);
   }
+  nmc__features(clip, w, n, w->features, work, count);
   nmc__add_weights(weight, end, work, y, count);
   nmc__add_atoms(set, clip, n, y, count);
   if (clip->jumps) nmc__add_jumps(set, clip, w, n, y, count);
   if (!set->has_network) return;
-  for (i = 0; i < count; ++i) nmc__network(set, clip, states, n + (uint32_t)i, y[i], work[0]);
+  for (i = 0; i < count; ++i) nmc__network(set, clip, states, n + (uint32_t)i, y[i], work);
 }
 
 /* A target's value from its parameters. */
@@ -1709,21 +1728,20 @@ NMC__INLINE void nmc__value(const nmc_target *target, const float *reference, in
 }
 
 /* Scratch memory: parameters of two samples, then what they are made from. */
-static void nmc__divide(const nmc_set *set, void *scratch, double *y[2], double *work[2]) {
+static double *nmc__divide(const nmc_set *set, void *scratch, double *y[2]) {
   y[0] = (double *)scratch;
   y[1] = y[0] + set->info.slots;
-  work[0] = y[1] + set->info.slots;
-  work[1] = work[0] + set->info.max_features + 2;
+  return y[1] + set->info.slots;
 }
 
 nmc_result nmc_sample(const nmc_set *set, uint32_t index, uint32_t n, float *pose, void *scratch) {
   const uint8_t *states;
   const double *at;
-  double *y[2], *work[2];
+  double *y[2], *work;
   uint32_t t;
   if (index >= set->info.clips || n >= set->clips[index].samples) return NMC_ERROR_ARGUMENT;
   states = set->states + (size_t)index * set->info.targets;
-  nmc__divide(set, scratch, y, work);
+  work = nmc__divide(set, scratch, y);
   nmc__parameters_at(set, &set->clips[index], states, n, y, work, 1);
   at = y[0];
   for (t = 0; t < set->info.targets; ++t) {
@@ -1766,9 +1784,10 @@ NMC__INLINE double nmc__share(double u, const double *t, double z) {
   return u * sum;
 }
 
-static void nmc__slerp(const float *a, const float *b, const nmc__between *between, float *out) {
-  double dot = ((double)a[0] * b[0] + (double)a[1] * b[1]) + ((double)a[2] * b[2] + (double)a[3] * b[3]);
-  double sign, wa, wb, q[4], length;
+/* On the short arc; the result's length is 1 but for rounding. */
+NMC__INLINE void nmc__slerp(const double *a, const double *b, const nmc__between *between, double *out) {
+  double dot = (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
+  double sign, wa, wb;
   int i;
   sign = dot < 0 ? -1 : 1;
   dot *= sign;
@@ -1787,10 +1806,27 @@ static void nmc__slerp(const float *a, const float *b, const nmc__between *betwe
     wb = sb / s;
   }
   wb *= sign;
-  for (i = 0; i < 4; ++i) q[i] = wa * a[i] + wb * b[i];
-  length = (q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]);
-  length = 1.5 - 0.5 * length; /* 1 / sqrt(length) of what is 1 but for rounding */
-  for (i = 0; i < 4; ++i) out[i] = (float)(q[i] * length);
+  for (i = 0; i < 4; ++i) out[i] = wa * a[i] + wb * b[i];
+}
+
+/* A moving target's rotation between its parameters at two samples: what turns the reference is slerped, and the
+ * reference turned once. */
+static void nmc__rotation_between(const nmc_target *target, const float *reference, int state,
+                                  const double *const at[2], const nmc__between *between, float *out) {
+  double ends[2][4], q[4], turned[4] = {0, 0, 0, 1};
+  int i, k;
+  for (i = 0; i < 2; ++i) {
+    if (state == NMC_QUATERNION) {
+      float value[4];
+      nmc__value(target, reference, state, 4, at[i], value);
+      for (k = 0; k < 4; ++k) ends[i][k] = value[k];
+    } else {
+      nmc__exponential(at[i], ends[i]);
+    }
+  }
+  for (k = 0; k < 4 && state != NMC_QUATERNION; ++k) turned[k] = reference[k];
+  nmc__slerp(ends[0], ends[1], between, q);
+  nmc__turned(turned, q, out);
 }
 
 /* The sample n before a time; returns how far the time is from it to the next, 0 if only sample n counts. */
@@ -1813,10 +1849,10 @@ static double nmc__locate(const float *times, uint32_t samples, double seconds, 
 static void nmc__pose_between(const nmc_set *set, uint32_t index, uint32_t n, double u, float *pose, void *scratch) {
   const uint8_t *states = set->states + (size_t)index * set->info.targets;
   const double *at[2];
-  double *y[2], *work[2];
+  double *y[2], *work;
   nmc__between between;
   uint32_t t, i;
-  nmc__divide(set, scratch, y, work);
+  work = nmc__divide(set, scratch, y);
   nmc__parameters_at(set, &set->clips[index], states, n, y, work, 2);
   at[0] = y[0];
   at[1] = y[1];
@@ -1829,10 +1865,7 @@ static void nmc__pose_between(const nmc_set *set, uint32_t index, uint32_t n, do
     if (states[t] < NMC_MOVING) {
       nmc__value(target, reference, states[t], count, at[0], out);
     } else if (target->path == NMC_ROTATION) {
-      float a[4] = {0, 0, 0, 1}, b[4] = {0, 0, 0, 1};
-      nmc__value(target, reference, states[t], count, at[0], a);
-      nmc__value(target, reference, states[t], count, at[1], b);
-      nmc__slerp(a, b, &between, out);
+      nmc__rotation_between(target, reference, states[t], at, &between, out);
     } else {
       for (i = 0; i < target->width; ++i)
         out[i] = (float)((1 - u) * (reference[i] + (float)at[0][i]) + u * (reference[i] + (float)at[1][i]));
@@ -1872,7 +1905,7 @@ float nmc_formula_time(const nmc_clip *clip, uint32_t n, float previous) {
   return nmc__formula_time(clip, n, previous);
 }
 void nmc_features(const nmc_clip *clip, const nmc_window *w, uint32_t n, uint32_t count, double *f) {
-  nmc__features(clip, w, n, count, f);
+  nmc__features(clip, w, n, count, f, 1);
 }
 nmc_result nmc_carve(nmc_set *set, void *workspace, size_t workspace_bytes) {
   return nmc__carve(set, workspace, workspace_bytes);

@@ -98,6 +98,18 @@ static int wasm_start(wasm_near *near) {
   return 1;
 }
 
+static void wasm_slerp(const float *a, const float *b, const nmc__between *between, float *out) {
+  static const double identity[4] = {0, 0, 0, 1};
+  double from[4], to[4], made[4];
+  int i;
+  for (i = 0; i < 4; ++i) {
+    from[i] = a[i];
+    to[i] = b[i];
+  }
+  nmc__slerp(from, to, between, made);
+  nmc__turned(identity, made, out);
+}
+
 /* From a pose to the next one of the clip; of the targets that do not move, `a` has the value. */
 static void wasm_mix(uint32_t clip, const float *a, const float *b, double u, float *out) {
   nmc__between between;
@@ -108,7 +120,7 @@ static void wasm_mix(uint32_t clip, const float *a, const float *b, double u, fl
     const uint32_t begin = target->offset, end = begin + target->width;
     const int moves = nmc_state(&set, clip, t) >= NMC_MOVING;
     if (moves && target->path == NMC_ROTATION) {
-      nmc__slerp(a + begin, b + begin, &between, out + begin);
+      wasm_slerp(a + begin, b + begin, &between, out + begin);
     } else {
       for (i = begin; i < end; ++i) out[i] = moves ? (float)((1 - u) * a[i] + u * b[i]) : a[i];
     }
