@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -137,6 +138,37 @@ TEST(Compress, AClipOfTwoKeysIsSmallerThanAtTheUsualPrecision) {
   const auto usual = codec::StandardEncoder(source, options, {0}, codec::StandardEncoder::usual_precision).encode({0});
   const gltf::CompressedContent content = gltf::read_compression(result.document);
   EXPECT_LT(content.clip_sets.at(0).stream.size(), usual.stream.size());
+}
+
+/// The tiny character whose tip sways, and is `height` elsewhere from the middle on.
+Document with_jump(float height) {
+  constexpr std::size_t frames = 121;
+  TinyGlb glb(frames);
+  std::vector<float> times, places;
+  for (std::size_t n = 0; n < frames; ++n) {
+    times.push_back(static_cast<float>(n) / 30);
+    places.insert(places.end(), {0.1F * std::sin(3 * times.back()) + (n > frames / 2 ? height : 0), 1, 0});
+  }
+  const std::size_t input = glb.add(times, 5126, "SCALAR", 1), output = glb.add(places, 5126, "VEC3", 3);
+  glb.json["accessors"][input]["min"] = {times.front()};
+  glb.json["accessors"][input]["max"] = {times.back()};
+  auto& animation = glb.json["animations"][0];
+  animation["samplers"].push_back({{"input", input}, {"output", output}});
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", 1}, {"path", "translation"}}}});
+  return gltf::parse_document(glb.bytes(), "jump.glb", {});
+}
+
+TEST(Compress, AJumpCostsFewBytes) {
+  std::array<std::size_t, 2> bytes{};
+  for (const std::size_t k : {0u, 1u}) {
+    const Document original = with_jump(k == 0 ? 0.0F : 5.0F);
+    const CompressResult result = codec::compress(original, quick(0.005));
+    ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+    EXPECT_LE(errors_of(original, codec::expand(result.document))[0].max, 0.005 * result.size);
+    bytes[k] = gltf::read_compression(result.document).clip_sets.at(0).stream.size();
+  }
+  EXPECT_LE(bytes[1], bytes[0] + 12);
 }
 
 TEST(Compress, AStepThatNobodySeesIsAConstant) {
