@@ -351,6 +351,7 @@ std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, 
 }
 
 Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples) {
+  constexpr Eigen::Index worth_a_product = 100'000'000;  // in windows of thousands of samples most weights are not zero
   const Eigen::Index parameters = steps.slot.size();
   Eigen::MatrixXd values(parameters, samples);
   for (std::size_t w = 0; w < clip.windows.size(); ++w) {
@@ -372,6 +373,13 @@ Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& st
     if (most == 0) continue;
     const Eigen::MatrixXd features = window_features(clip.basis, window.length, most, count);
     const double scale = weight_scale(clip.step_exponent, window.length);
+    if (parameters * most * count > worth_a_product) {
+      Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(parameters, most);
+      for (const LevelWeight& weight : window.weights)
+        weights(weight.parameter, weight.feature - 1) = weight.level * steps.slot(weight.parameter) * scale;
+      values.middleCols(first, count).noalias() += weights * features;
+      continue;
+    }
     for (const LevelWeight& weight : window.weights)
       values.row(weight.parameter).segment(first, count) +=
           weight.level * steps.slot(weight.parameter) * scale * features.row(weight.feature - 1);
