@@ -1,10 +1,13 @@
 // Small helpers on JSON values that the document's editors share.
 #include "gltf/json_tools.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+
+#include "base/decimal.h"
 
 namespace nmc::gltf {
 
@@ -21,7 +24,7 @@ Json* find_member(Json& value, std::string_view key) {
 }
 
 std::optional<std::size_t> as_index(const Json& value) {
-  constexpr double largest = 9007199254740992.0;
+  constexpr double largest = std::min(9007199254740992.0, static_cast<double>(SIZE_MAX));
   if (!value.is_number()) return std::nullopt;
   const auto number = value.get<double>();
   if (!(number >= 0 && number <= largest) || number != std::floor(number)) return std::nullopt;
@@ -56,7 +59,7 @@ Json shortest_number(float value) {
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
   double decimal = 0;
-  std::from_chars(text.data(), end, decimal);
+  read_decimal(text.data(), end, decimal);
   return decimal;
 }
 
