@@ -1,10 +1,14 @@
 #include "base/decimal.h"
 
+#include <array>
+
 #ifndef __cpp_lib_to_chars
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <string>
 #include <string_view>
 #endif
@@ -15,6 +19,18 @@ namespace nmc {
 
 std::from_chars_result read_decimal(const char* first, const char* last, double& value) {
   return std::from_chars(first, last, value);
+}
+
+char* write_decimal(char* first, char* last, double value) {
+  return std::to_chars(first, last, value, std::chars_format::scientific).ptr;
+}
+
+double as_decimal(float value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  double decimal = 0;
+  std::from_chars(text.data(), end, decimal);
+  return decimal;
 }
 
 #else
@@ -70,6 +86,23 @@ std::from_chars_result read_decimal(const char* first, const char* last, double&
   if (!has_word && is_beyond) return {end, std::errc::result_out_of_range};
   value = number;
   return {end, std::errc()};
+}
+
+char* write_decimal(char* first, char* last, double value) {
+  for (int digits = 0;; ++digits) {
+    const int length = std::snprintf(first, static_cast<std::size_t>(last - first), "%.*e", digits, value);
+    if (digits == std::numeric_limits<double>::max_digits10 - 1 || std::strtod(first, nullptr) == value)
+      return first + length;
+  }
+}
+
+double as_decimal(float value) {
+  std::array<char, 32> text{};
+  for (int digits = 0;; ++digits) {
+    std::snprintf(text.data(), text.size(), "%.*e", digits, static_cast<double>(value));
+    if (digits == std::numeric_limits<float>::max_digits10 - 1 || std::strtof(text.data(), nullptr) == value)
+      return std::strtod(text.data(), nullptr);
+  }
 }
 
 #endif

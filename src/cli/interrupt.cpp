@@ -26,7 +26,7 @@ void wait_for(sigset_t signals) {
 }
 
 /// Takes the signals that the caller does not ignore away from all threads, for the one that waits.
-void start_waiting() {
+[[maybe_unused]] void start_waiting() {
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {

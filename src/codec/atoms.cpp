@@ -64,7 +64,8 @@ void tidy_atoms(std::vector<LevelAtom>& atoms) {
 }
 
 void add_atom_values(const LevelAtom& atom, const ParameterSteps& steps, Eigen::MatrixXd& values) {
-  const Eigen::Index at = atom.sample, half = Eigen::Index{1} << atom.width;
+  const auto at = static_cast<Eigen::Index>(atom.sample);
+  const Eigen::Index half = Eigen::Index{1} << atom.width;
   const Eigen::Index end = std::min<Eigen::Index>(values.cols(), at + half);
   for (Eigen::Index n = std::max<Eigen::Index>(0, at - half + 1); n < end; ++n)
     values(atom.parameter, n) += atom.level * steps.anchor(atom.parameter) * atom_share(std::abs(n - at), atom.width);

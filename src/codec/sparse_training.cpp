@@ -97,7 +97,7 @@ class Trainer {
       else if (settings_.basis == Basis::periodic)
         anchors.col(column) = periodic_anchor(column);
       else
-        anchors.col(column) = truth_.col(std::min<Eigen::Index>(settings_.boundaries[r], samples_ - 1));
+        anchors.col(column) = truth_.col(std::min(static_cast<Eigen::Index>(settings_.boundaries[r]), samples_ - 1));
     }
     anchors.array().colwise() /= anchor_step_.array();
     if (settings_.loops) anchors.rightCols(1) = anchors.leftCols(1).eval();
@@ -115,10 +115,10 @@ class Trainer {
   void start_windows() {
     for (std::size_t w = 0; w + 1 < settings_.boundaries.size(); ++w) {
       Window window;
-      window.first = settings_.boundaries[w];
+      window.first = static_cast<Eigen::Index>(settings_.boundaries[w]);
       window.length = settings_.boundaries[w + 1] - settings_.boundaries[w];
       const bool last = w + 2 == settings_.boundaries.size();
-      window.samples = last ? samples_ - window.first : window.length;
+      window.samples = last ? samples_ - window.first : static_cast<Eigen::Index>(window.length);
       window.shares = anchor_shares(settings_.basis, window.length, window.samples).cast<float>();
       const double scale = weight_scale(settings_.step_exponent, window.length);
       window.step = slot_step_ * static_cast<float>(scale);
@@ -133,7 +133,8 @@ class Trainer {
     const Eigen::Index limit = feature_limit(settings_.basis, window.length);
     const Matrix all = window_features(settings_.basis, window.length, limit, window.samples).cast<float>();
     Matrix rest = truth_.middleCols(window.first, window.samples) - anchor_values(window, w);
-    if (settings_.basis != Basis::cosine && window.samples > window.length) rest.col(window.length).setZero();
+    const auto after = static_cast<Eigen::Index>(window.length);
+    if (settings_.basis != Basis::cosine && window.samples > after) rest.col(after).setZero();
     Matrix levels = rest * all.transpose() * (2.0f / static_cast<float>(window.length));
     if (settings_.basis == Basis::periodic && window.length % 2 == 0 && limit >= 1)
       levels.col(limit - 1) *= 0.5f;  // the cosine at half the rate
@@ -334,7 +335,7 @@ Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& st
   Eigen::MatrixXd values(parameters, samples);
   for (std::size_t w = 0; w < clip.windows.size(); ++w) {
     const LevelWindow& window = clip.windows[w];
-    const Eigen::Index first = window.begin;
+    const auto first = static_cast<Eigen::Index>(window.begin);
     const Eigen::Index count =
         w + 1 == clip.windows.size() ? samples - first : static_cast<Eigen::Index>(window.length);
     const std::size_t row = clip.basis == Basis::cosine ? 0 : w;

@@ -2,8 +2,6 @@
 #include "gltf/json_tools.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 
@@ -56,11 +54,7 @@ Json& object_member(Json& object, const char* key) {
 Json shortest_number(float value) {
   constexpr float exact_integers = 16777216.0F;
   if (std::abs(value) <= exact_integers && value == std::floor(value)) return static_cast<std::int64_t>(value);
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  double decimal = 0;
-  read_decimal(text.data(), end, decimal);
-  return decimal;
+  return as_decimal(value);
 }
 
 }  // namespace nmc::gltf

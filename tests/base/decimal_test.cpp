@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <string>
 #include <string_view>
 
 namespace {
@@ -61,6 +63,28 @@ TEST(Decimal, BeyondTheRangeIsReadButChangesNothing) {
     EXPECT_EQ(got.rest, "m");
     EXPECT_EQ(got.value, -7) << text;
   }
+}
+
+std::string written(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), nmc::write_decimal(text.data(), text.data() + text.size(), value)};
+}
+
+TEST(Decimal, TheShortestThatReadsBackIsWritten) {
+  EXPECT_EQ(written(0), "0e+00");
+  EXPECT_EQ(written(-0.0), "-0e+00");
+  EXPECT_EQ(written(-1.5), "-1.5e+00");
+  EXPECT_EQ(written(0.1), "1e-01");
+  EXPECT_EQ(written(1e300), "1e+300");
+  EXPECT_EQ(written(0.1 + 0.2), "3.0000000000000004e-01");
+  EXPECT_EQ(written(-2.2250738585072014e-308), "-2.2250738585072014e-308");
+}
+
+TEST(Decimal, AFloatIsItsShortestDecimal) {
+  EXPECT_EQ(nmc::as_decimal(0.1F), 0.1);
+  EXPECT_EQ(nmc::as_decimal(-3.3333333e-7F), -3.3333333e-7);
+  EXPECT_EQ(nmc::as_decimal(0.5F), 0.5);
+  EXPECT_EQ(nmc::as_decimal(1.17549435e-38F), 1.1754944e-38);
 }
 
 }  // namespace
