@@ -171,6 +171,29 @@ test('Draco and meshopt are read, and Draco is written', { skip }, () => {
   assert.ok(measured(file('meshopt.glb'), file('from_meshopt.glb')) <= 0.01);
 });
 
+test('compare has all methods, with their times', { skip }, () => {
+  const args = ['compare', sample('props.glb'), '--json'];
+  const [ours, theirs] = [run(...args), runTool(...args)].map((text) => JSON.parse(text));
+  const names = ({ methods }) => methods.map(({ name }) => name);
+  assert.deepEqual(names(ours), names(theirs));
+  for (const { name, atTolerances } of ours.methods) {
+    atTolerances.forEach((at, i) => {
+      // null where the method does not get below the tolerance.
+      if (at) assert.ok(at.maxError <= ours.tolerances[i] && at.encodeSeconds > 0, name);
+    });
+  }
+});
+
+test('import reads BVH', { skip }, () => {
+  const joint = (name, inside) => `${name}\n{\nOFFSET 0 10.5 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n${inside}}\n`;
+  const skeleton = joint('ROOT Hips', joint('JOINT Chest', 'End Site\n{\nOFFSET 0 1e1 0\n}\n'));
+  writeFileSync(file('walk.bvh'), `HIERARCHY\n${skeleton}MOTION\nFrames: 2\nFrame Time: .0333333\n0 +5 0 -1.5e1 0 0\n0 10 0 90. 0 0\n`);
+  run('import', 'walk.bvh', 'walk.glb');
+  runTool('import', file('walk.bvh'), file('native_walk.glb'));
+  const [ours, theirs] = ['walk.glb', 'native_walk.glb'].map((name) => channels(readFileSync(file(name)))[0].channels);
+  for (const [key, { values }] of theirs) assert.ok(largestDifference(values, ours.get(key).values) < rounding, key);
+});
+
 test('interrupted work ends by the signal and leaves nothing behind', { skip }, async () => {
   const before = readdirSync(folder);
   for (const signal of ['SIGINT', 'SIGTERM']) {
