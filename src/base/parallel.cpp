@@ -8,14 +8,16 @@
 #include <thread>
 #include <vector>
 
+#include "base/platform.h"
+
 namespace nmc {
 
-int hardware_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+int hardware_threads() { return has_threads ? std::max(1, static_cast<int>(std::thread::hardware_concurrency())) : 1; }
 
 void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& body) {
   const std::size_t wanted = static_cast<std::size_t>(threads > 0 ? threads : hardware_threads());
   const std::size_t workers = std::min(count, wanted);
-  if (workers <= 1) {
+  if (!has_threads || workers <= 1) {
     for (std::size_t i = 0; i < count; ++i) body(i);
     return;
   }

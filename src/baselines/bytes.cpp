@@ -2,10 +2,10 @@
 
 #include <zstd.h>
 
-#include <bit>
 #include <cmath>
 #include <string>
 
+#include "base/bits.h"
 #include "base/error.h"
 
 namespace nmc::baselines {
@@ -35,8 +35,8 @@ void refuse_damaged(const char* what) {
 }
 
 void ByteWriter::u16(unsigned value) { put(bytes_, static_cast<std::uint16_t>(value)); }
-void ByteWriter::f32(double value) { put(bytes_, std::bit_cast<std::uint32_t>(static_cast<float>(value))); }
-void ByteWriter::f64(double value) { put(bytes_, std::bit_cast<std::uint64_t>(value)); }
+void ByteWriter::f32(double value) { put(bytes_, bit_cast<std::uint32_t>(static_cast<float>(value))); }
+void ByteWriter::f64(double value) { put(bytes_, bit_cast<std::uint64_t>(value)); }
 
 void ByteWriter::count(std::uint64_t value) {
   for (; value >= 128; value >>= 7) u8(static_cast<unsigned>(value & 127u) | 128u);
@@ -66,13 +66,13 @@ std::span<const std::uint8_t> ByteReader::take(std::size_t bytes) {
 unsigned ByteReader::u16() { return get<std::uint16_t>(take(2)); }
 
 float ByteReader::f32() {
-  const float value = std::bit_cast<float>(get<std::uint32_t>(take(4)));
+  const float value = bit_cast<float>(get<std::uint32_t>(take(4)));
   if (!std::isfinite(value)) refuse_damaged("a number is not finite");
   return value;
 }
 
 double ByteReader::f64() {
-  const double value = std::bit_cast<double>(get<std::uint64_t>(take(8)));
+  const double value = bit_cast<double>(get<std::uint64_t>(take(8)));
   if (!std::isfinite(value)) refuse_damaged("a number is not finite");
   return value;
 }

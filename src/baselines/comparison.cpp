@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/platform.h"
 
 namespace nmc::baselines {
 namespace {
@@ -16,10 +17,11 @@ constexpr int coarser_octaves = 5, finer_octaves = 12;  // how far from the tole
 constexpr double precision_octaves = 1.0 / 16;
 constexpr int idle_octaves = 3;  // without a smaller error, the method has reached its floor
 
-/// Of this thread alone: what other methods do meanwhile does not count.
+/// Of this thread alone: what other methods do meanwhile does not count. A program without threads has no clock for
+/// them, and does nothing meanwhile.
 double thread_seconds() {
   timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  clock_gettime(has_threads ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 

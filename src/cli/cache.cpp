@@ -12,6 +12,7 @@
 #include <new>
 
 #include "base/error.h"
+#include "base/platform.h"
 #include "cli/command.h"
 #include "cli/outputs.h"
 #include "gltf/files.h"
@@ -65,7 +66,7 @@ Digest hash_of(std::span<const std::uint8_t> bytes) {
 /// The program's own bytes: two builds of one version may differ in the last bits of their arithmetic.
 const Digest& build_digest() {
   static const Digest digest = [] {
-    std::ifstream file("/proc/self/exe", std::ios::binary);
+    std::ifstream file(program_path(), std::ios::binary);
     const Bytes bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     return hash_of(bytes);
   }();

@@ -6,7 +6,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <type_traits>
 
+#include "base/decimal.h"
 #include "base/error.h"
 #include "cli/terminal.h"
 #include "report/format.h"
@@ -17,8 +19,14 @@ namespace {
 /// The whole of `text` as a number, or false.
 template <typename Number>
 bool parse_all(const std::string& text, Number& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size();
+  const char* last = text.data() + text.size();
+  std::from_chars_result read{};
+  if constexpr (std::is_floating_point_v<Number>) {
+    read = read_decimal(text.data(), last, number);
+  } else {
+    read = std::from_chars(text.data(), last, number);
+  }
+  return read.ec == std::errc() && read.ptr == last;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <system_error>
 #include <thread>
 
+#include "base/platform.h"
 #include "gltf/files.h"
 
 namespace nmc::cli {
@@ -24,10 +25,8 @@ void wait_for(sigset_t signals) {
   std::raise(signal);
 }
 
-}  // namespace
-
-void end_cleanly_on_signals() {
-  std::signal(SIGXFSZ, SIG_IGN);
+/// Takes the signals that the caller does not ignore away from all threads, for the one that waits.
+[[maybe_unused]] void start_waiting() {
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
@@ -38,6 +37,16 @@ void end_cleanly_on_signals() {
     std::thread(wait_for, signals).detach();
   } catch (const std::system_error&) {
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  }
+}
+
+}  // namespace
+
+void end_cleanly_on_signals() {
+  // Without threads there are no signals either: whoever runs the WebAssembly gets them.
+  if constexpr (has_threads) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    start_waiting();
   }
 }
 

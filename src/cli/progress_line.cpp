@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <system_error>
 
+#include "base/platform.h"
 #include "cli/terminal.h"
 #include "report/format.h"
 
@@ -37,7 +38,7 @@ ProgressLine::ProgressLine(Verbosity verbosity, std::uint64_t weight_of_all)
       draws_(verbosity != Verbosity::quiet && is_terminal(stderr)),
       weight_of_all_(std::max<std::uint64_t>(1, weight_of_all)),
       weight_(weight_of_all_) {
-  if (!draws_) return;
+  if (!draws_ || !has_threads) return;
   try {
     ticker_ = std::thread([this] {
       std::unique_lock lock(mutex_);

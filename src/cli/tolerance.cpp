@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
+#include "base/decimal.h"
 #include "base/error.h"
 #include "cli/nearest.h"
 
@@ -29,7 +29,7 @@ struct Amount {
 
 Amount parse_amount(const std::string& text, const std::string& option, const char* units) {
   Amount amount;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), amount.number);
+  const auto [end, failure] = read_decimal(text.data(), text.data() + text.size(), amount.number);
   if (failure != std::errc() || !std::isfinite(amount.number))
     refuse(option, fmt::format("'{}' does not start with a number; {}", text, units));
   amount.unit.assign(end, text.data() + text.size());

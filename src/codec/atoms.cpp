@@ -50,7 +50,7 @@ void add_jump_values(const LevelAtom& jump, const LevelClip& clip, double height
   const auto after = std::lower_bound(clip.windows.begin(), clip.windows.end(), jump.sample,
                                       [](const LevelWindow& w, std::uint32_t sample) { return w.begin < sample; });
   const LevelWindow& window = *std::prev(after);
-  const Eigen::Index first = window.begin;
+  const auto first = static_cast<Eigen::Index>(window.begin);
   const Eigen::Index count =
       after == clip.windows.end() ? values.cols() - first : static_cast<Eigen::Index>(window.length);
   const Eigen::MatrixXd shares = anchor_shares(clip.basis, window.length, count);
@@ -83,7 +83,8 @@ void add_atom_values(const LevelAtom& atom, const LevelClip& clip, const Paramet
     add_jump_values(atom, clip, atom.level * steps.anchor(atom.parameter), values);
     return;
   }
-  const Eigen::Index at = atom.sample, half = Eigen::Index{1} << atom.width;
+  const auto at = static_cast<Eigen::Index>(atom.sample);
+  const Eigen::Index half = Eigen::Index{1} << atom.width;
   const Eigen::Index end = std::min<Eigen::Index>(values.cols(), at + half);
   for (Eigen::Index n = std::max<Eigen::Index>(0, at - half + 1); n < end; ++n)
     values(atom.parameter, n) += atom.level * steps.anchor(atom.parameter) * atom_share(std::abs(n - at), atom.width);

@@ -24,7 +24,8 @@ void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, dou
   const auto excess = [&](const std::vector<LevelAtom>& atoms) {
     Eigen::MatrixXd pair = values.middleCols(n - 1, 2);
     for (const LevelAtom& atom : atoms)
-      pair(atom.parameter, atom.sample - (n - 1)) += atom.level * input.steps.anchor(atom.parameter);
+      pair(atom.parameter, static_cast<Eigen::Index>(atom.sample) - (n - 1)) +=
+          atom.level * input.steps.anchor(atom.parameter);
     return std::max(0.0, error_between(input, n, seconds, pair) - bound);
   };
   for (const LevelAtom& atom : needed_atoms(missing_by_target(input.layout, input.steps, n - 1, 2, values), excess)) {

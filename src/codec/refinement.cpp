@@ -40,8 +40,8 @@ class Refiner {
     for (std::size_t w = 0; w < clip.windows.size(); ++w) {
       const LevelWindow& from = clip.windows[w];
       DenseWindow window;
-      window.first = from.begin;
-      window.samples = w + 1 == clip.windows.size() ? samples_ - window.first : Eigen::Index{from.length};
+      window.first = static_cast<Eigen::Index>(from.begin);
+      window.samples = w + 1 == clip.windows.size() ? samples_ - window.first : static_cast<Eigen::Index>(from.length);
       int most = 0;
       for (const LevelWeight& weight : from.weights) most = std::max(most, weight.feature);
       window.features = window_features(clip.basis, from.length, most, window.samples).cast<float>();

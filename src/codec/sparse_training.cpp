@@ -114,7 +114,7 @@ class Trainer {
       else if (settings_.basis == Basis::periodic)
         anchors.col(column) = periodic_anchor(column);
       else
-        anchors.col(column) = truth_.col(std::min<Eigen::Index>(settings_.boundaries[r], samples_ - 1));
+        anchors.col(column) = truth_.col(std::min(static_cast<Eigen::Index>(settings_.boundaries[r]), samples_ - 1));
     }
     anchors.array().colwise() /= anchor_step_.array();
     if (settings_.loops) anchors.rightCols(1) = anchors.leftCols(1).eval();
@@ -132,10 +132,10 @@ class Trainer {
   void start_windows() {
     for (std::size_t w = 0; w + 1 < settings_.boundaries.size(); ++w) {
       Window window;
-      window.first = settings_.boundaries[w];
+      window.first = static_cast<Eigen::Index>(settings_.boundaries[w]);
       window.length = settings_.boundaries[w + 1] - settings_.boundaries[w];
       const bool last = w + 2 == settings_.boundaries.size();
-      window.samples = last ? samples_ - window.first : window.length;
+      window.samples = last ? samples_ - window.first : static_cast<Eigen::Index>(window.length);
       window.shares = anchor_shares(settings_.basis, window.length, window.samples).cast<float>();
       const double scale = weight_scale(settings_.step_exponent, window.length);
       window.step = slot_step_ * static_cast<float>(scale);
@@ -150,7 +150,8 @@ class Trainer {
     const Eigen::Index limit = feature_limit(settings_.basis, window.length);
     const Matrix all = window_features(settings_.basis, window.length, limit, window.samples).cast<float>();
     Matrix rest = truth_.middleCols(window.first, window.samples) - anchor_values(window, w);
-    if (settings_.basis != Basis::cosine && window.samples > window.length) rest.col(window.length).setZero();
+    const auto after = static_cast<Eigen::Index>(window.length);
+    if (settings_.basis != Basis::cosine && window.samples > after) rest.col(after).setZero();
     Matrix levels = rest * all.transpose() * (2.0f / static_cast<float>(window.length));
     if (settings_.basis == Basis::periodic && window.length % 2 == 0 && limit >= 1)
       levels.col(limit - 1) *= 0.5f;  // the cosine at half the rate
@@ -351,12 +352,12 @@ std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, 
 }
 
 Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples) {
-  constexpr Eigen::Index worth_a_product = 100'000'000;  // in windows of thousands of samples most weights are not zero
+  constexpr double worth_a_product = 1e8;  // in windows of thousands of samples most weights are not zero
   const Eigen::Index parameters = steps.slot.size();
   Eigen::MatrixXd values(parameters, samples);
   for (std::size_t w = 0; w < clip.windows.size(); ++w) {
     const LevelWindow& window = clip.windows[w];
-    const Eigen::Index first = window.begin;
+    const auto first = static_cast<Eigen::Index>(window.begin);
     const Eigen::Index count =
         w + 1 == clip.windows.size() ? samples - first : static_cast<Eigen::Index>(window.length);
     const std::size_t row = clip.basis == Basis::cosine ? 0 : w;
@@ -373,7 +374,7 @@ Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& st
     if (most == 0) continue;
     const Eigen::MatrixXd features = window_features(clip.basis, window.length, most, count);
     const double scale = weight_scale(clip.step_exponent, window.length);
-    if (parameters * most * count > worth_a_product) {
+    if (static_cast<double>(parameters) * most * static_cast<double>(count) > worth_a_product) {
       Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(parameters, most);
       for (const LevelWeight& weight : window.weights)
         weights(weight.parameter, weight.feature - 1) = weight.level * steps.slot(weight.parameter) * scale;

@@ -1,8 +1,7 @@
 // Adds bytes, bufferViews and float accessors to the end of a document.
 #include "gltf/append.h"
 
-#include <bit>
-
+#include "base/bits.h"
 #include "base/error.h"
 #include "gltf/json_tools.h"
 
@@ -27,7 +26,7 @@ Bytes little_endian(std::span<const float> values) {
   Bytes bytes;
   bytes.reserve(values.size() * 4);
   for (const float value : values) {
-    const auto bits = std::bit_cast<std::uint32_t>(value);
+    const auto bits = bit_cast<std::uint32_t>(value);
     for (const unsigned shift : {0U, 8U, 16U, 24U}) bytes.push_back(static_cast<std::uint8_t>(bits >> shift));
   }
   return bytes;

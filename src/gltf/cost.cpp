@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/decimal.h"
 #include "base/error.h"
 #include "gltf/edit.h"
 #include "gltf/json_tools.h"
@@ -158,7 +159,7 @@ void add_named_views(const Json& value, std::set<std::size_t>& views) {
 /// The length of the shortest decimal that reads back as `value`, with a point or an exponent.
 std::size_t shortest_length(double value) {
   std::array<char, 32> text{};
-  const char* end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific).ptr;
+  const char* end = write_decimal(text.data(), text.data() + text.size(), value);
   const std::string_view all(text.data(), static_cast<std::size_t>(end - text.data()));
   const std::size_t sign = all.front() == '-' ? 1 : 0;
   const auto mantissa = all.substr(sign, all.find('e') - sign);

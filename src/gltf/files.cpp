@@ -13,6 +13,7 @@
 #include <cstring>
 #include <fstream>
 #include <mutex>
+#include <new>
 #include <set>
 #include <system_error>
 
@@ -99,7 +100,9 @@ Bytes read_file(const fs::path& path, std::uint64_t limit) {
   const std::uint64_t size = fs::file_size(path, error);
   std::ifstream in(path, std::ios::binary);
   if (error || !in) fail(fmt::format("{} cannot be opened for reading.", path.string()));
-  Bytes bytes(static_cast<std::size_t>(std::min(size, limit)));
+  const std::uint64_t wanted = std::min(size, limit);
+  if (wanted > Bytes().max_size()) throw std::bad_alloc();  // addresses of 32 bits
+  Bytes bytes(static_cast<std::size_t>(wanted));
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (static_cast<std::size_t>(in.gcount()) != bytes.size())
     fail(fmt::format("{} cannot be read to its end.", path.string()));

@@ -11,7 +11,8 @@
 
 namespace nmc::gltf {
 
-/// The bytes of a regular file, at most `limit` of them. Throws Error (io): missing, a folder, unreadable.
+/// The bytes of a regular file, at most `limit` of them. Throws Error (io): missing, a folder, unreadable;
+/// std::bad_alloc.
 Bytes read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
 
 /// Files that replace others together: each is written under a temporary name beside its target and synced; `commit`

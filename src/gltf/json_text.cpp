@@ -117,7 +117,7 @@ std::uint64_t get_unsigned(const Json& object, const char* key, const Where& whe
   return *value;
 }
 
-std::size_t as_index(const Json& value, std::size_t count, const Where& where, const std::string& what) {
+std::size_t as_index(const Json& value, std::uint64_t count, const Where& where, const std::string& what) {
   const std::optional<std::uint64_t> index = to_unsigned(value);
   if (!index) where.fail(fmt::format("has a {} that is not an index", what));
   if (*index >= count) where.fail(fmt::format("refers to {} {}, but there are only {}", what, *index, count));

@@ -47,7 +47,7 @@ std::optional<std::size_t> find_index(const Json& object, const char* key, std::
 std::size_t get_index(const Json& object, const char* key, std::size_t count, const Where& where);
 
 /// A value as an index below `count`; `what` names it in the message.
-std::size_t as_index(const Json& value, std::size_t count, const Where& where, const std::string& what);
+std::size_t as_index(const Json& value, std::uint64_t count, const Where& where, const std::string& what);
 
 /// A member that must be an object or an array; nullptr when absent.
 const Json* find_object(const Json& object, const char* key, const Where& where);

@@ -1,10 +1,11 @@
 // Small helpers on JSON values that the document's editors share.
 #include "gltf/json_tools.h"
 
-#include <array>
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+
+#include "base/decimal.h"
 
 namespace nmc::gltf {
 
@@ -21,7 +22,7 @@ Json* find_member(Json& value, std::string_view key) {
 }
 
 std::optional<std::size_t> as_index(const Json& value) {
-  constexpr double largest = 9007199254740992.0;
+  constexpr double largest = std::min(9007199254740992.0, static_cast<double>(SIZE_MAX));
   if (!value.is_number()) return std::nullopt;
   const auto number = value.get<double>();
   if (!(number >= 0 && number <= largest) || number != std::floor(number)) return std::nullopt;
@@ -53,11 +54,7 @@ Json& object_member(Json& object, const char* key) {
 Json shortest_number(float value) {
   constexpr float exact_integers = 16777216.0F;
   if (std::abs(value) <= exact_integers && value == std::floor(value)) return static_cast<std::int64_t>(value);
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  double decimal = 0;
-  std::from_chars(text.data(), end, decimal);
-  return decimal;
+  return as_decimal(value);
 }
 
 }  // namespace nmc::gltf

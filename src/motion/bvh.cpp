@@ -10,6 +10,7 @@
 #include <glm/gtc/constants.hpp>
 #include <optional>
 
+#include "base/decimal.h"
 #include "base/error.h"
 
 namespace nmc::motion {
@@ -135,7 +136,7 @@ class Words {
     const std::string_view word = next(wanted);
     const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
     double value = 0;
-    const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const auto [end, failure] = read_decimal(digits.data(), digits.data() + digits.size(), value);
     if (failure != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
       fail_at(line, fmt::format("there should be {} instead of '{}'", wanted, shown(word)));
     }

@@ -45,7 +45,7 @@ after(() => rmSync(folder, { recursive: true, force: true }));
 
 test('the packed package holds what it needs and nothing else', async () => {
   const names = readdirSync(join(folder, 'node_modules/gltf-nmc')).sort();
-  assert.deepEqual(names, ['LICENSE', 'README.md', 'package.json', 'src']);
+  assert.deepEqual(names, ['LICENSE', 'README.md', 'bin', 'package.json', 'src']);
   assert.deepEqual(Object.keys(await load('gltf-nmc')).sort(), ['NmcError', 'expand', 'expandJson', 'openSet']);
 });
 
