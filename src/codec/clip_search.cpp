@@ -123,6 +123,7 @@ class ClipSearch {
     if (best_) return *best_;
     SparseSettings plain = current.settings;
     plain.iterations = 0;
+    plain.jumps = false;
     plain.step_exponent = finest;
     return levels_for(plain, nullptr).levels;
   }
@@ -160,12 +161,13 @@ class ClipSearch {
     return offer(settings, &current.state);
   }
 
-  /// Finer steps until the bound is kept; at last without training.
+  /// Finer steps until the bound is kept; at last without training and without jumps.
   Trial first_within_bound(const Trial& coarse, const SearchPlan& plan) {
     Trial trial = coarse;
     for (int k = 0; k < 2 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.iterations);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
+    plain.jumps = false;
     plain.rate = usual_rate / 4;  // of the trainings that go on from here
     for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4)
       trial = offer(plain, nullptr);
@@ -328,6 +330,7 @@ class ClipSearch {
       mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next, profile.seconds[k],
                    aim * context_.bound.tolerance, values, levels);
     }
+    tidy_atoms(levels.atoms);
   }
 
   /// Makes the samples next to each time above the bound stricter, by `least` or more. False where there is none.

@@ -178,7 +178,10 @@ void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, 
     return;
   }
   const double x = at(0), y = at(1), z = at(2), w = at(3);
-  const double f = 2 / std::max(1e-12, x * x + y * y + z * z + w * w);
+  // A pose half-way between two may have next to no quaternion left: the map there means nothing, and should not be
+  // huge.
+  constexpr double least_square = 0.1;
+  const double f = 2 / std::max(least_square, x * x + y * y + z * z + w * w);
   const glm::dvec3 body[4] = {
       {f * w, f * -z, f * y}, {f * z, f * w, f * -x}, {f * -y, f * x, f * w}, {f * -x, f * -y, f * -z}};
   for (int b = 0; b < 4; ++b) {

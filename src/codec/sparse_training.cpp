@@ -258,6 +258,7 @@ class Trainer {
       const double step = std::exp2(-settings_.step_exponent / 2.0);
       // The slope of distortion over rate of a uniform quantiser, 2 ln 2 step^2 / 12, times the caller's factor.
       const auto rate_weight = static_cast<float>(settings_.rate * 0.1155 * step * mean_weight);
+      if (!(gradient_.abs().maxCoeff() < senseless)) return;
       add_shell();
       backward(gradient_.matrix(), rate_weight);
       const float speed = static_cast<float>(0.5 * (1 + std::cos(3.14159265358979 * progress)));
@@ -321,6 +322,9 @@ class Trainer {
     if (has_atoms()) clip.atoms = *input_.atoms;
     return clip;
   }
+
+  /// Gradients of poses that the linear map knows nothing about; what has been learned until then stands.
+  static constexpr float senseless = 1e15f;
 
   static constexpr double shell_share = 0.05;
 
