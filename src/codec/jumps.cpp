@@ -9,9 +9,9 @@
 namespace nmc::codec {
 namespace {
 
-constexpr double least_steps = 5.66;  ///< of a weight; smaller jumps cost about what their atoms would
-constexpr double least_ratio = 10;    ///< to the differences around
-constexpr Eigen::Index reach = 4;     ///< differences looked at on either side
+constexpr double least_steps = 32;  ///< of an anchor; smaller jumps cost about what their atoms would
+constexpr double least_ratio = 10;  ///< to the differences around
+constexpr Eigen::Index reach = 4;   ///< differences looked at on either side
 
 /// Of the differences around difference n (sample n minus the one before) the third largest: the start of a movement
 /// has more large ones than that on one side, another jump near by does not count.
@@ -71,7 +71,7 @@ std::vector<LevelAtom> find_jumps(const ClipLayout& layout, const ParameterSteps
   std::vector<LevelAtom> atoms;
   if (layout.values.cols() < fewest) return atoms;
   for (const Eigen::Index parameter : layout.moving)
-    append(jumps_of(layout.values.row(parameter), least_steps * steps.slot(parameter)), static_cast<int>(parameter),
+    append(jumps_of(layout.values.row(parameter), least_steps * steps.anchor(parameter)), static_cast<int>(parameter),
            steps.anchor(parameter), atoms);
   tidy_atoms(atoms);
   return atoms;

@@ -11,7 +11,7 @@ namespace nmc::codec {
 
 /// Atoms that take the jumps out of a clip's moving parameters, so that what is left is smooth: one of width jump_width
 /// for each jump, one of width 0 where the next sample is back again. A jump is a difference of two samples that is far
-/// above those around it and above a weight's step. In the order of the stream; none in most motion.
+/// above those around it and above an anchor's step. In the order of the stream; none in most motion.
 std::vector<LevelAtom> find_jumps(const ClipLayout& layout, const ParameterSteps& steps);
 
 }  // namespace nmc::codec

@@ -16,7 +16,7 @@ constexpr double step = 0.001;
 
 struct Curve {
   ClipLayout layout;
-  ParameterSteps steps{Eigen::VectorXd::Constant(1, 6 * step), Eigen::VectorXd::Constant(1, step)};
+  ParameterSteps steps{Eigen::VectorXd::Ones(1), Eigen::VectorXd::Constant(1, step)};
 
   explicit Curve(const std::function<double(double)>& value) {
     layout.moving = {0};
