@@ -1666,14 +1666,13 @@ static void nmc__add_jumps(const nmc_set *set, const nmc_clip *clip, const nmc_w
                            double *const y[2], int count) {
   const nmc_atom *atoms = set->atoms + clip->first_atom;
   uint32_t k = nmc__first_atom(set, clip, 0, w->begin);
+  double line[2];
   int i;
+  for (i = 0; i < count; ++i) line[i] = clip->anchor_rows == 1 ? 0 : (double)(n + (uint32_t)i - w->begin) / w->length;
   for (; k < clip->atoms && atoms[k].sample <= w->begin + w->length; ++k) {
     if (atoms[k].width != NMC_JUMP) continue;
-    for (i = 0; i < count; ++i) {
-      const uint32_t at = n + (uint32_t)i;
-      const double line = clip->anchor_rows == 1 ? 0 : (double)(at - w->begin) / w->length;
-      y[i][atoms[k].parameter] += atoms[k].value * ((at >= atoms[k].sample ? 1 : 0) - line);
-    }
+    for (i = 0; i < count; ++i)
+      y[i][atoms[k].parameter] += atoms[k].value * ((n + (uint32_t)i >= atoms[k].sample ? 1 : 0) - line[i]);
   }
 }
 

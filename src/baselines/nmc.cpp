@@ -26,8 +26,9 @@ class NmcEncoder : public Encoder {
     options.effort = settings_.effort;
     options.threads = settings_.threads;
     std::vector<codec::ClipResult> results = source.results;
+    const motion::ErrorMeter meter(source.skeleton, source.all_points);
     const auto judge = [&](const EncodedSet& set, std::vector<codec::ClipResult>& into) {
-      judge_by_error(source, set, into);
+      judge_by_error(source, meter, set, into);
     };
     std::vector<EncodedSet> sets = codec::encode_standard_sets(source, options, judge, results);
     if (const std::vector<std::size_t> missed = without_set(source, sets); !missed.empty())
@@ -37,8 +38,8 @@ class NmcEncoder : public Encoder {
   }
 
  private:
-  static void judge_by_error(const Source& source, const EncodedSet& set, std::vector<codec::ClipResult>& results) {
-    const motion::ErrorMeter meter(source.skeleton, source.all_points);
+  static void judge_by_error(const Source& source, const motion::ErrorMeter& meter, const EncodedSet& set,
+                             std::vector<codec::ClipResult>& results) {
     const codec::DecodedSet decoded(set.stream, "the new clip set");
     const std::vector<int> nodes = nodes_of(set);
     for (std::size_t i = 0; i < set.clips.size(); ++i) {

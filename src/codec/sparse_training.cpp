@@ -242,10 +242,9 @@ class Trainer {
       const Curves now = values();
       if (it % refresh == 0) {
         Eigen::MatrixXd middle = layout_.values;
-        if (given_.size() > 0) middle -= given_;
         for (Eigen::Index i = 0; i < parameters_; ++i)
           middle.row(parameter(i)) = 0.5 * (middle.row(parameter(i)) + now.row(i).cast<double>());
-        if (given_.size() > 0) middle += given_;
+        if (given_.size() > 0) middle += 0.5 * given_;
         map_.linearise(middle, input_.threads);
         if (it > 0) drop_unused_features();
       }
