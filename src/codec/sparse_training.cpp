@@ -5,6 +5,7 @@
 
 #include "codec/atoms.h"
 #include "codec/features.h"
+#include "codec/level_prices.h"
 
 namespace nmc::codec {
 namespace {
@@ -41,6 +42,7 @@ struct Window {
   Matrix features;       ///< count x samples
   Matrix shares;         ///< 2 x samples
   Eigen::VectorXf step;  ///< per parameter
+  Matrix price;          ///< parameters x count: of a bit of the smooth rate
   Trained weights;       ///< parameters x count
 };
 
@@ -214,7 +216,7 @@ class Trainer {
       if (!single_anchor()) anchors_.gradient.col(first + 1) += ends.col(1);
       if (window.features.rows() == 0) continue;
       window.weights.gradient.noalias() = window.step.asDiagonal() * part * window.features.transpose();
-      window.weights.gradient.array() += rate_weight * rate_slope(window.weights.level.array());
+      window.weights.gradient.array() += rate_weight * window.price.array() * rate_slope(window.weights.level.array());
     }
     anchors_.gradient.array().colwise() *= anchor_step_.array();
     // An anchor costs the bits of its difference to the one before.
@@ -235,6 +237,7 @@ class Trainer {
 
   void train() {
     constexpr int refresh = 50, refocus = 10;
+    static_assert(refresh % refocus == 0, "features that are dropped have no price");
     Focus focus;
     for (int it = 0; it < settings_.iterations; ++it) {
       const double done = static_cast<double>(it) / settings_.iterations;
@@ -249,7 +252,10 @@ class Trainer {
         if (it > 0) drop_unused_features();
       }
       delta_ = (now - truth_).array();
-      if (it % refocus == 0) focus = map_.focus(delta_, offset_, input_.tolerance, input_.threads);
+      if (it % refocus == 0) {
+        focus = map_.focus(delta_, offset_, input_.tolerance, input_.threads);
+        price_levels();
+      }
       const PointLoss loss{input_.tolerance, input_.parts.rising_norm ? norm_of(progress) : 2, input_.emphasis};
       const double mean_weight = input_.parts.kinematics
                                      ? map_.descend(delta_, offset_, loss, &focus, input_.threads, gradient_)
@@ -267,6 +273,13 @@ class Trainer {
         if (window.features.rows() > 0) window.weights.step(0.15f * speed, c1, c2);
       anchors_.step(0.3f * speed, c1, c2);
     }
+  }
+
+  void price_levels() {
+    std::vector<Matrix> levels;
+    for (const Window& window : windows_) levels.push_back(window.weights.level);
+    std::vector<Matrix> prices = level_prices(levels, layout_);
+    for (std::size_t w = 0; w < windows_.size(); ++w) windows_[w].price = std::move(prices[w]);
   }
 
   /// The fastest features hardly ever come back once no parameter uses them.
