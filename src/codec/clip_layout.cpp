@@ -1,6 +1,8 @@
 #include "codec/clip_layout.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace nmc::codec {
 namespace {
@@ -63,6 +65,7 @@ ClipLayout layout_clip(const motion::Clip& clip, const SetFrame& frame) {
       continue;
     }
     LayoutBlock made{t, state_of(*track, frame.rotation_reference[t]), {}, -1};
+    if (!frame.least_states.empty()) made.state = std::max(made.state, frame.least_states[t]);
     made.block.first = static_cast<int>(layout.parameters.size());
     made.block.reference = frame.rotation_reference[t];
     made.block.width = frame.targets[t].width;
@@ -89,7 +92,7 @@ ClipLayout layout_clip(const motion::Clip& clip, const SetFrame& frame) {
                                    : frame.value_reference[block.target][static_cast<std::size_t>(a)];
       for (Eigen::Index n = 0; n < samples; ++n)
         layout.values(block.block.first + a, n) =
-            rows[b][static_cast<std::size_t>(block.state == State::fixed ? a : n * width + a)] - reference;
+            rows[b][static_cast<std::size_t>(std::ssize(rows[b]) == width ? a : n * width + a)] - reference;
     }
   }
   return layout;

@@ -15,6 +15,7 @@ struct SetFrame {
   std::vector<NodeTarget> targets;
   std::vector<glm::dquat> rotation_reference;        ///< per target; identity where it is no rotation
   std::vector<std::vector<double>> value_reference;  ///< per target, width numbers; empty for rotations
+  std::vector<State> least_states;  ///< per target: what every clip that has it holds it as at least; empty: any
 };
 
 /// One number that a clip stores per pose.

@@ -83,8 +83,9 @@ bool is_loop(const PreparedClip& clip) {
   constexpr std::size_t fewest = 8;
   const Eigen::MatrixXd& values = clip.layout.values;
   if (static_cast<std::size_t>(values.cols()) < fewest) return false;
-  const Eigen::VectorXd seam = (values.rightCols(1) - values.leftCols(1)).cwiseAbs();
-  return ((seam - clip.steps.anchor).array() <= 0).all();
+  Eigen::VectorXd seam = values.rightCols(1) - values.leftCols(1);
+  if (const Eigen::MatrixXd& given = clip.steps.given; given.size() > 0) seam -= given.rightCols(1) - given.leftCols(1);
+  return ((seam.cwiseAbs() - clip.steps.anchor).array() <= 0).all();
 }
 
 /// A trained, corrected candidate.

@@ -73,7 +73,7 @@ class Trainer {
       anchor_step_(i) = static_cast<float>(steps_.anchor(parameter(i)));
       slot_step_(i) = static_cast<float>(steps_.slot(parameter(i)));
     }
-    take_atoms_out();
+    take_given_out();
     start_anchors();
     start_windows();
   }
@@ -88,16 +88,21 @@ class Trainer {
 
   bool has_atoms() const { return settings_.jumps && input_.atoms; }
 
-  /// What atoms already give is not to be learned.
-  void take_atoms_out() {
-    if (!has_atoms()) return;
+  /// What atoms and a network already give is not to be learned.
+  void take_given_out() {
+    given_ = steps_.given;
+    if (has_atoms()) add_atoms();
+    if (given_.size() == 0) return;
+    for (Eigen::Index i = 0; i < parameters_; ++i) truth_.row(i) -= given_.row(parameter(i)).cast<float>();
+  }
+
+  void add_atoms() {
     LevelClip windows;
     windows.basis = settings_.basis;
     for (std::size_t w = 0; w + 1 < settings_.boundaries.size(); ++w)
       windows.windows.push_back({settings_.boundaries[w], settings_.boundaries[w + 1] - settings_.boundaries[w], {}});
-    given_ = Eigen::MatrixXd::Zero(layout_.values.rows(), samples_);
+    if (given_.size() == 0) given_ = Eigen::MatrixXd::Zero(layout_.values.rows(), samples_);
     for (const LevelAtom& atom : *input_.atoms) add_atom_values(atom, windows, steps_, given_);
-    for (Eigen::Index i = 0; i < parameters_; ++i) truth_.row(i) -= given_.row(parameter(i)).cast<float>();
   }
 
   bool single_anchor() const { return settings_.basis == Basis::cosine; }
@@ -350,7 +355,7 @@ class Trainer {
   const SparseSettings& settings_;
   Eigen::Index parameters_, samples_;
   Eigen::VectorXf anchor_step_, slot_step_;
-  Eigen::MatrixXd given_;  ///< by atoms: all parameters x samples; empty where there are none
+  Eigen::MatrixXd given_;  ///< by atoms and a network: all parameters x samples; empty where there are none
   Curves truth_;           ///< without what is given
   Trained anchors_;
   std::vector<Window> windows_;
@@ -402,6 +407,7 @@ Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& st
           weight.level * steps.slot(weight.parameter) * scale * features.row(weight.feature - 1);
   }
   for (const LevelAtom& atom : clip.atoms) add_atom_values(atom, clip, steps, values);
+  if (steps.given.size() > 0) values += steps.given;
   return values;
 }
 

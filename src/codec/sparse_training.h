@@ -12,10 +12,11 @@
 
 namespace nmc::codec {
 
-/// Steps per parameter of a clip, in the parameter's unit.
+/// Steps per parameter of a clip, in the parameter's unit, and what of it no level has to say.
 struct ParameterSteps {
-  Eigen::VectorXd slot;    ///< times 2^(-step_exponent / 4) sqrt(2 / window length): one level of a weight
-  Eigen::VectorXd anchor;  ///< one level of an anchor or an atom
+  Eigen::VectorXd slot;     ///< times 2^(-step_exponent / 4) sqrt(2 / window length): one level of a weight
+  Eigen::VectorXd anchor;   ///< one level of an anchor or an atom
+  Eigen::MatrixXd given{};  ///< parameters x samples: what a network adds to what the levels stand for; empty: nothing
 };
 
 struct SparseSettings {

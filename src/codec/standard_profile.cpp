@@ -16,40 +16,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Each clip's first anchor pose is predicted from the earlier clip whose last one is nearest, in bits.
-void choose_references(ClipSet& chosen) {
-  const auto pose_of = [&](const LevelClip& clip, bool last) {
-    std::vector<std::int32_t> pose;
-    std::size_t parameters = 0;
-    for (std::size_t t = 0; t < chosen.targets.size(); ++t)
-      parameters += static_cast<std::size_t>(parameter_count(chosen.targets[t], clip.states[t]));
-    std::size_t at = last && parameters ? clip.anchors.size() - parameters : 0;
-    for (std::size_t t = 0; t < chosen.targets.size(); ++t) {
-      const int count = parameter_count(chosen.targets[t], clip.states[t]);
-      for (int a = 0; a < chosen.targets[t].width; ++a)
-        pose.push_back(a < count && clip.states[t] != State::quaternion ? clip.anchors[at + static_cast<std::size_t>(a)]
-                                                                        : 0);
-      at += static_cast<std::size_t>(count);
-    }
-    return pose;
-  };
-  std::vector<std::vector<std::int32_t>> ends;
-  for (LevelClip& clip : chosen.clips) {
-    const std::vector<std::int32_t> first = pose_of(clip, false);
-    double least = std::numeric_limits<double>::max();
-    for (int r = -1; r < static_cast<int>(ends.size()); ++r) {
-      double bits = 0;
-      for (std::size_t i = 0; i < first.size(); ++i)
-        bits += std::log2(1.0 + 3.0 * std::pow(first[i] - (r < 0 ? 0 : ends[static_cast<std::size_t>(r)][i]), 2));
-      if (bits < least) {
-        least = bits;
-        clip.reference = r;
-      }
-    }
-    ends.push_back(pose_of(clip, true));
-  }
-}
-
 }  // namespace
 
 StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& options,
@@ -107,6 +73,39 @@ EncodedSet StandardEncoder::encode(const std::vector<std::size_t>& clips) const 
   encoded.clips = clips;
   encoded.stream = write_clip_set(chosen);
   return encoded;
+}
+
+void choose_references(ClipSet& chosen) {
+  const auto pose_of = [&](const LevelClip& clip, bool last) {
+    std::vector<std::int32_t> pose;
+    std::size_t parameters = 0;
+    for (std::size_t t = 0; t < chosen.targets.size(); ++t)
+      parameters += static_cast<std::size_t>(parameter_count(chosen.targets[t], clip.states[t]));
+    std::size_t at = last && parameters ? clip.anchors.size() - parameters : 0;
+    for (std::size_t t = 0; t < chosen.targets.size(); ++t) {
+      const int count = parameter_count(chosen.targets[t], clip.states[t]);
+      for (int a = 0; a < chosen.targets[t].width; ++a)
+        pose.push_back(a < count && clip.states[t] != State::quaternion ? clip.anchors[at + static_cast<std::size_t>(a)]
+                                                                        : 0);
+      at += static_cast<std::size_t>(count);
+    }
+    return pose;
+  };
+  std::vector<std::vector<std::int32_t>> ends;
+  for (LevelClip& clip : chosen.clips) {
+    const std::vector<std::int32_t> first = pose_of(clip, false);
+    double least = std::numeric_limits<double>::max();
+    for (int r = -1; r < static_cast<int>(ends.size()); ++r) {
+      double bits = 0;
+      for (std::size_t i = 0; i < first.size(); ++i)
+        bits += std::log2(1.0 + 3.0 * std::pow(first[i] - (r < 0 ? 0 : ends[static_cast<std::size_t>(r)][i]), 2));
+      if (bits < least) {
+        least = bits;
+        clip.reference = r;
+      }
+    }
+    ends.push_back(pose_of(clip, true));
+  }
 }
 
 }  // namespace nmc::codec

@@ -37,4 +37,7 @@ class StandardEncoder {
   std::vector<std::vector<Candidate>> candidates_;  ///< as seconds_; empty where nobody asked
 };
 
+/// Predicts each clip's first anchor pose from the earlier clip whose last one is nearest, in bits.
+void choose_references(ClipSet& chosen);
+
 }  // namespace nmc::codec

@@ -13,6 +13,7 @@
 #include "rate_codec.h"
 #include "rate_dct.h"
 #include "rate_gltfpack.h"
+#include "rate_hidden.h"
 #include "rate_process.h"
 #include "rate_table.h"
 
@@ -99,6 +100,7 @@ RateTable measure_table(const Arguments& arguments, const std::string& file, dou
     for (const CompressOptions& without : ablations(options))
       add(apart("without a part", [&] { return measure_codec(file, without); }));
     add(apart("without sharing", [&] { return measure_clips_apart(file, options); }));
+    add(apart("with a hidden layer", [&] { return measure_hidden_layer(file, options); }));
   }
   add(apart("DCT", [&] { return measure_dct(file, options); }));
   if (!arguments.no_gltfpack) add(gltfpack(tolerance_percent / 100));
@@ -136,7 +138,7 @@ int main(int argc, char** argv) {
   app.add_flag("--paper", arguments.paper, "the paper's profile at all tolerances, not only from 2 % on");
   app.add_flag("--no-paper", arguments.no_paper, "leave the paper's profile out");
   app.add_flag("--ablation", arguments.ablation,
-               "the default with one part after the other left out, at the first effort");
+               "the default with one part after the other left out, and with a hidden layer, at the first effort");
   app.add_flag("--brief", arguments.brief, "one line for each file and tolerance");
   app.add_option("--threads", arguments.threads, "0: all")->check(CLI::Range(0, 1024));
   app.add_option("FILES", arguments.files)->required()->check(CLI::ExistingFile);

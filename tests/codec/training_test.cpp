@@ -254,6 +254,29 @@ TEST_P(MotionMapOf, PointsThatAreNotEndangeredStayBelowTheLimit) {
 INSTANTIATE_TEST_SUITE_P(Kinds, MotionMapOf, testing::Bool(),
                          [](const auto& tested) { return tested.param ? "Stretching" : "Rigid"; });
 
+TEST(ClipLayout, HoldsWhatStandsStillAsMovingWhereTheFrameAsksForIt) {
+  const motion::Clip clip{"still",
+                          {0, 1, 2},
+                          {{0, Path::translation, 3, {1, 2, 3}},
+                           {0, Path::rotation, 4, {0.5f, 0.5f, 0.5f, 0.5f}},
+                           {1, Path::rotation, 4, {0.6f, 0, 0, 0.8f}}}};
+  const Character two(3);
+  SetFrame frame = mean_frame(two.skeleton, {&clip});
+  ASSERT_EQ(layout_clip(clip, frame).moving.size(), 0u);
+  frame.least_states = {State::moving, State::quaternion, State::fixed};
+  const ClipLayout layout = layout_clip(clip, frame);
+  EXPECT_EQ(layout.states, frame.least_states);
+  EXPECT_EQ(layout.moving.size(), 7u);
+  const motion::Clip back = clip_of_parameters(clip, frame, layout, layout.values);
+  ASSERT_EQ(back.tracks.size(), 3u);
+  for (std::size_t t = 0; t < 2; ++t) {
+    const std::vector<float>&still = clip.tracks[t].values, &made = back.tracks[t].values;
+    ASSERT_EQ(made.size(), 3 * still.size());
+    for (std::size_t i = 0; i < made.size(); ++i) EXPECT_NEAR(made[i], still[i % still.size()], 1e-6);
+  }
+  EXPECT_TRUE(back.tracks[2].constant());
+}
+
 struct Cut {
   Basis basis;
   std::size_t samples;
@@ -276,6 +299,28 @@ TEST_P(Transform, WithFineStepsIsTheCurve) {
   const Eigen::MatrixXd values = values_of_levels(trained.levels, character.steps, character.samples());
   // Anchors are rounded to 0.002; at both ends of a line, and the rest follows what is left.
   EXPECT_LT((values - character.layout.values).cwiseAbs().maxCoeff(), 0.0021);
+}
+
+TEST_P(Transform, WithFineStepsIsWhatANetworkLeavesOfTheCurve) {
+  const auto [basis, samples] = GetParam();
+  Character character(samples);
+  MotionMap map = character.map();
+  character.steps.given = random_rows(character.layout.values.rows(), character.samples(), 5).cast<double>().matrix();
+  const auto whole = static_cast<std::uint32_t>(samples);
+  SparseSettings settings{.basis = basis, .boundaries = {0, basis == Basis::cosine ? whole : whole - 1}};
+  settings.step_exponent = 40;
+  settings.iterations = 0;
+  const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), character.samples()));
+  const LevelClip levels =
+      train_sparse({.layout = &character.layout, .steps = &character.steps, .offset = &offset, .emphasis = nullptr},
+                   map, settings)
+          .levels;
+  const ParameterSteps alone{character.steps.slot, character.steps.anchor};
+  const Eigen::MatrixXd rest = character.layout.values - character.steps.given;
+  EXPECT_LT((values_of_levels(levels, alone, character.samples()) - rest).cwiseAbs().maxCoeff(), 0.0021);
+  EXPECT_LT(
+      (values_of_levels(levels, character.steps, character.samples()) - character.layout.values).cwiseAbs().maxCoeff(),
+      0.0021);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cuts, Transform,

@@ -17,6 +17,7 @@ namespace {
 
 using codec::Basis;
 using codec::ClipLayer;
+using codec::LevelAtom;
 using codec::LevelClip;
 using codec::LevelWindow;
 using Json = nlohmann::ordered_json;
@@ -183,6 +184,21 @@ ClipSet network(bool quantized, int features) {
   return set;
 }
 
+/// A network beside everything else a clip can have, with layers that three clips share.
+ClipSet network_clips() {
+  ClipSet set = network(true, 3);
+  Numbers numbers;
+  const std::vector<State> states = set.clips[0].states;
+  set.clips[0].atoms = {{1, 0, 1, 12}, {4, 8, LevelAtom::jump_width, 7}};
+  set.clips.push_back(make_clip(set, {Basis::sine, {3, 2}, states, 2}, numbers));
+  set.clips.back().layer = {{2}, tensor(hidden0 * 3, true, numbers), tensor(hidden0, true, numbers)};
+  set.clips.back().atoms = {{2, 3, 0, -9}};
+  set.clips.push_back(make_clip(set, {Basis::periodic, {6}, states}, numbers));
+  set.clips.back().layer = {{4, 2, 6}, tensor(hidden0 * 7, true, numbers), tensor(hidden0, true, numbers)};
+  set.clips.back().reference = 1;
+  return set;
+}
+
 Json expected_clip(const ClipSet& set, std::size_t index) {
   const LevelClip& clip = set.clips[index];
   const ClosedForm truth(set, index);
@@ -247,6 +263,7 @@ void write_all(const std::string& folder) {
   put("network_float", network(false, 0));
   put("network_float_weights", network(false, 3));
   put("network_quantized", network(true, 0));
+  put("network_clips", network_clips());
   put("times_rate",
       with_times(times_at(6, [](std::size_t n) { return static_cast<float>((static_cast<double>(n) - 2) / 24); })));
   put("times_product", with_times(times_at(6, product)));
