@@ -80,9 +80,10 @@ run_fuzzers() {
   fi
 }
 
-# Tests of scripts and batches, which start the tool very often, and those that skip themselves in a build with sanitizers.
-scripts='^(Pipeline|Batch)[.]'
-optimised="$scripts|RealFiles|LargeOnes|ThePageSays|EyesOfTheReferee|TooLittleMemory"
+# Tests that sanitizers tell nothing about and make too slow: those that start or stop the tool very often, those of the generator of the sample
+# characters, and those that compress once more what others compress with sanitizers. And those that skip themselves in a build with sanitizers.
+unsanitized='^(Pipeline|Batch|Characters)[.]|^Faults[.](Killed|Interrupted|TwoRuns)|AnyNumberOfThreadsAndAgain|EyesOfTheValidator'
+optimised="$unsanitized|RealFiles|LargeOnes|ThePageSays|EyesOfTheReferee|TooLittleMemory"
 
 if [ "$preset" = release ]; then
   nmc_build release
@@ -91,10 +92,10 @@ elif [ -n "$filter" ]; then
   nmc_build debug
   run_cpp_tests debug build-debug
 else
-  nmc_build release programs test_cli test_corpus test_samples
+  nmc_build release programs test_cli_long test_corpus test_samples
   run_cpp_tests release build -R "$optimised"
   nmc_build debug
-  run_cpp_tests debug build-debug -E "$scripts"
+  run_cpp_tests debug build-debug -E "$unsanitized"
   run_fuzzers
 fi
 if [ -z "$filter" ]; then

@@ -34,6 +34,7 @@ struct Arguments {
   std::string output;
   int threads = 0;
   std::string report;
+  bool explain = false;
   bool draco = false;
   gltf::DracoBits draco_bits;
   std::vector<const CLI::Option*> draco_options;
@@ -86,6 +87,7 @@ class Compression {
     options_.threads = a.threads;
     if (a.draco) options_.tolerance.value *= 1 - codec::mesh_share;
     options_.record_candidates = !a.report.empty();
+    options_.explain = a.explain;
     if (!a.cache.empty()) cache_.emplace(a.cache, a.dry_run);
   }
 
@@ -376,6 +378,9 @@ Run compress_command(CLI::App& app) {
   app.add_option("--report", a->report, "write a page for the browser with player, errors and\nnumbers (default none)")
       ->type_name("FILE.html")
       ->group("Output");
+  app.add_flag("--explain", a->explain,
+               "keep in the file what else was tried for each animation,\nfor `inspect` to tell (default not)")
+      ->group("File");
   app.add_option("--cache", a->cache,
                  "a folder of earlier results: what was compressed before with\n"
                  "the same options by this gltf-nmc is taken from there\n"

@@ -23,6 +23,7 @@ int run(const Arguments& a) {
   context.file = a.file;
   context.file_bytes = bytes_on_disk(a.file, document);
   context.animation_names = animation_names(document);
+  context.kept = codec::inspect_kept(document);
   print(a.json ? json_text(report::inspect_json(sets, context)) : coloured(report::inspect_text(sets, context)));
   return 0;
 }

@@ -224,7 +224,7 @@ class ClipSearch {
     trial.state = std::move(trained.state);
     LevelClip& levels = trained.levels;
     trial.bytes = bytes_of(levels);
-    record(levels, trial.bytes, false);
+    record(settings, levels, trial.bytes, false);
     if (trial.bytes >= best_bytes_) return trial;
     // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
     const std::size_t room =
@@ -247,17 +247,18 @@ class ClipSearch {
       if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
     }
     trial.bytes = bytes_of(levels);
-    record(levels, trial.bytes, trial.kept);
+    record(settings, levels, trial.bytes, trial.kept);
     if (!trial.kept || trial.bytes >= best_bytes_) return trial;
     best_bytes_ = trial.bytes;
     best_ = std::move(levels);
     return trial;
   }
 
-  void record(const LevelClip& levels, std::size_t bytes, bool kept) const {
+  void record(const SparseSettings& settings, const LevelClip& levels, std::size_t bytes, bool kept) const {
     if (!tried_) return;
     const motion::ErrorProfile profile = error_profile(levels);
-    tried_->push_back({bytes, *std::max_element(profile.max_error.begin(), profile.max_error.end()), kept, false});
+    tried_->push_back({bytes, *std::max_element(profile.max_error.begin(), profile.max_error.end()), kept, false,
+                       basis_name(settings.basis), settings.jumps});
   }
 
   /// The median over the samples of the largest error, in units of the tolerance.

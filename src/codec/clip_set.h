@@ -16,6 +16,10 @@ enum class State : std::uint8_t { absent = 0, fixed = 1, moving = 2, quaternion 
 /// A clip's features (nmc_decode.h, NMC_COSINE ...).
 enum class Basis : std::uint8_t { cosine = 0, periodic = 1, sine = 2 };
 
+constexpr const char* basis_name(Basis basis) {
+  return basis == Basis::cosine ? "cosine" : basis == Basis::periodic ? "periodic" : "sine";
+}
+
 /// A target of the set. A rotation has four slots: three for rotation vectors, four for quaternions.
 struct SetTarget {
   Path path = Path::translation;

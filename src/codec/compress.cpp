@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "codec/decoded_set.h"
 #include "codec/paper_profile.h"
+#include "codec/search_record.h"
 #include "codec/source.h"
 #include "codec/standard_sets.h"
 #include "gltf/cost.h"
@@ -104,6 +105,7 @@ CompressResult compress(const gltf::Document& document, const CompressOptions& o
   if (!sets.empty()) {
     gltf::CompressionEdit edit = compression_edit(source, sets);
     edit.requirement = options.requirement;
+    if (options.explain) put_search_records(result.clips, sets, edit);
     result.notes = gltf::apply_compression(result.document, edit);
   }
   for (std::string& sentence : unused_patterns(source, options)) result.notes.push_back(std::move(sentence));

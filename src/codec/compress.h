@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,6 +38,7 @@ struct CompressOptions {
   gltf::Requirement requirement = gltf::Requirement::required;
   std::vector<std::string> exclude;  ///< names of animations that stay as they are
   bool record_candidates = false;    ///< measure and tell what was tried; the bytes stay the same
+  bool explain = false;              ///< keep a summary of the search in the document; the streams stay the same
   Progress progress;
   Parts parts{};  ///< standard profile: what a measurement leaves out
 };
@@ -55,6 +57,8 @@ struct Candidate {
   double error = 0;       ///< the largest, world units, at every key and between, over all points
   bool kept = false;      ///< corrected, and within the tolerance
   bool chosen = false;
+  std::string basis{};  ///< "cosine", "periodic" or "sine"; profile paper: "network"
+  bool jumps = false;   ///< the clip's jumps were taken out before training
 };
 
 struct ClipResult {
@@ -117,6 +121,34 @@ struct Verification {
 Verification verify(const gltf::Document& original, const gltf::Document& other, const Tolerance& tolerance = {},
                     std::span<const ToleranceRule> rules = {});
 
+/// The smallest of all candidates of one kind.
+struct TriedKind {
+  std::string basis;          ///< as Candidate's
+  bool jumps = false;         ///< as Candidate's
+  std::size_t bytes = 0;      ///< of the clip alone
+  bool within_bound = false;  ///< otherwise the bytes are those at which it was given up
+};
+
+/// What was tried for one animation.
+struct SearchRecord {
+  std::vector<TriedKind> tried;               ///< those within the bound first, then by bytes: the first was taken
+  std::size_t key_bytes = 0, json_bytes = 0;  ///< of the animation before
+};
+
+/// What was tried for the poses that a clip set writes out.
+struct PoseRecord {
+  int coarser = 0;            ///< steps are 2^(coarser / 4) of the usual ones
+  std::size_t bytes = 0;      ///< of the whole stream
+  bool within_bound = false;  ///< as many clips as with the usual steps are
+};
+
+/// An animation that stays as it was.
+struct KeptRecord {
+  int animation = 0;
+  std::string reason;
+  SearchRecord search;
+};
+
 /// What is inside a compressed document.
 struct InspectedClip {
   int animation = 0;
@@ -125,8 +157,9 @@ struct InspectedClip {
   double duration_seconds = 0;
   std::vector<int> frequencies;  ///< half cycles per clip (paper profile) or the highest used index of each window
   std::size_t nonzero_weights = 0;
-  std::string basis;            ///< "cosine", "periodic" or "sine" (gltf_ext/README.md, A.6)
-  std::size_t corrections = 0;  ///< atoms
+  std::string basis;                     ///< "cosine", "periodic" or "sine" (gltf_ext/README.md, A.6)
+  std::size_t corrections = 0;           ///< atoms
+  std::optional<SearchRecord> search{};  ///< where the file has it
 };
 struct InspectedPart {
   std::string name;  ///< "header", "references", "times", "network", "weights", ...
@@ -138,7 +171,11 @@ struct InspectedSet {
   std::string model;  ///< one line: what kind of model and why it was chosen
   std::vector<InspectedPart> parts;
   std::vector<InspectedClip> clips;
+  std::vector<PoseRecord> poses;  ///< where the file has them
 };
 std::vector<InspectedSet> inspect(const gltf::Document& document);
+
+/// The animations of which a compressed document says why they are not in a clip set.
+std::vector<KeptRecord> inspect_kept(const gltf::Document& document);
 
 }  // namespace nmc::codec

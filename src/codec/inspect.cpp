@@ -8,6 +8,7 @@
 #include "codec/compress.h"
 #include "codec/decoded_set.h"
 #include "codec/reference_codec.h"
+#include "codec/search_record.h"
 
 namespace nmc::codec {
 namespace {
@@ -23,7 +24,7 @@ InspectedClip clip_of(const nmc_set& set, std::uint32_t index) {
   const nmc_clip& clip = set.clips[index];
   InspectedClip made;
   made.frames = clip.samples;
-  made.basis = clip.basis == NMC_COSINE ? "cosine" : clip.basis == NMC_PERIODIC ? "periodic" : "sine";
+  made.basis = basis_name(static_cast<Basis>(clip.basis));
   made.corrections = clip.atoms;
   const float* times = nmc_times(&set, index);
   made.duration_seconds = static_cast<double>(times[clip.samples - 1]) - times[0];
@@ -61,12 +62,14 @@ std::vector<InspectedSet> inspect(const gltf::Document& document) {
     set.targets = decoded.target_count();
     set.model = model_of(decoded.raw());
     set.parts = parts_of(decoded.bits());
+    set.poses = read_poses(content.clip_sets[s].extras);
     for (const gltf::CompressedAnimation& animation : content.animations) {
       if (static_cast<std::size_t>(animation.clip_set) != s ||
           static_cast<std::size_t>(animation.clip) >= decoded.clip_count())
         continue;
       set.clips.push_back(clip_of(decoded.raw(), static_cast<std::uint32_t>(animation.clip)));
       set.clips.back().animation = animation.animation;
+      set.clips.back().search = read_search(animation.extras);
       set.clips.back().name = document.json.at("animations")
                                   .at(static_cast<std::size_t>(animation.animation))
                                   .value("name", fmt::format("#{}", animation.animation));
@@ -74,6 +77,10 @@ std::vector<InspectedSet> inspect(const gltf::Document& document) {
     sets.push_back(std::move(set));
   }
   return sets;
+}
+
+std::vector<KeptRecord> inspect_kept(const gltf::Document& document) {
+  return read_kept(gltf::read_compression(document).extras);
 }
 
 }  // namespace nmc::codec

@@ -242,9 +242,10 @@ PaperClip encode_paper(const Source& source, std::size_t index, const CompressOp
   }
   result.set.seconds = {seconds_since(start)};
   result.set.candidates.resize(1);
-  if (!options.record_candidates) return result;
+  if (!options.record_candidates && !options.explain) return result;
   for (const PaperStep& step : result.steps)
-    result.set.candidates[0].push_back({step.parameters * sizeof(float), step.joint_error, false, false});
+    result.set.candidates[0].push_back(
+        {step.parameters * sizeof(float), step.joint_error, false, false, "network", false});
   if (!result.set.candidates[0].empty() && result.reached)
     result.set.candidates[0].back().kept = result.set.candidates[0].back().chosen = true;
   return result;

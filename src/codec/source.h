@@ -74,6 +74,7 @@ struct EncodedSet {
   std::vector<int> frequencies;                    ///< per clip: the most that one pose uses
   std::vector<double> seconds;                     ///< per clip: time spent
   std::vector<std::vector<Candidate>> candidates;  ///< per clip: what was tried, as far as recorded
+  std::vector<PoseRecord> poses{};                 ///< how coarsely poses were tried to be written
 };
 
 /// The nodes of a set's targets.

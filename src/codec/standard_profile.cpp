@@ -45,7 +45,7 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
   parallel_for(count, options.threads, [&](std::size_t i) {
     const auto clip_start = std::chrono::steady_clock::now();
     levels[i] = search_clip(context, prepare_clip(context, clips[i], options.contact_weight), clips[i],
-                            options.record_candidates ? &candidates_[i] : nullptr);
+                            options.record_candidates || options.explain ? &candidates_[i] : nullptr);
     seconds_[i] = seconds_since(clip_start);
     progress.done(source.clips[clips[i]].name);
   });

@@ -84,11 +84,15 @@ Attempt encode_at_usual_precision(const Source& source, const CompressOptions& o
   if (keys > few_keys || options.exact_ends) return best;
   CompressOptions quiet = options;
   quiet.progress = nullptr;
+  std::vector<PoseRecord> poses{{0, best.bytes(), true}};
   for (const int step : coarser) {
     Attempt other = attempt(quiet, usual - step);
-    if (other.missed == best.missed && other.sets.size() == best.sets.size() && other.bytes() < best.bytes())
-      best = std::move(other);
+    const bool reached = other.missed == best.missed && other.sets.size() == best.sets.size();
+    poses.push_back({step, other.bytes(), reached});
+    if (reached && other.bytes() < best.bytes()) best = std::move(other);
   }
+  if (options.explain)
+    for (EncodedSet& set : best.sets) set.poses = poses;
   return best;
 }
 

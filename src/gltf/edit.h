@@ -24,6 +24,7 @@ struct Target {
 struct ClipSetBytes {
   std::vector<Target> targets;
   Bytes stream;
+  Json extras{};  ///< of the clip set's object; null for none
 };
 
 /// What to take out of one animation and where it went.
@@ -34,6 +35,7 @@ struct TakenAnimation {
   int clip = 0;             ///< clip within the set
   float start_seconds = 0;  ///< first and last key time over all channels of the animation as it was
   float end_seconds = 0;
+  Json extras{};  ///< of the animation's extension object; null for none
 };
 
 enum class Requirement {
@@ -46,6 +48,7 @@ struct CompressionEdit {
   std::vector<ClipSetBytes> clip_sets;
   std::vector<TakenAnimation> taken;
   Requirement requirement = Requirement::required;
+  Json extras{};  ///< of the root's extension object; null for none
 };
 
 /// Puts clip sets into the document and takes the replaced channels out, with samplers, accessors, bufferViews and
@@ -63,12 +66,14 @@ struct CompressedAnimation {
   int animation = 0;
   int clip_set = 0;
   int clip = 0;
+  Json extras{};  ///< as found: anything; null for none
 };
 
 struct CompressedContent {
   std::vector<ClipSetBytes> clip_sets;
   std::vector<CompressedAnimation> animations;
   Requirement requirement = Requirement::required;
+  Json extras{};  ///< as found: anything; null for none
 };
 
 /// The extension's content, checked (indices, bufferViews, node targets). Empty where the document does not use the

@@ -124,14 +124,20 @@ Json target_groups(const std::vector<Target>& targets) {
   return groups;
 }
 
+void put_extras(Json& object, const Json& extras) {
+  if (!extras.is_null()) object["extras"] = extras;
+}
+
 void put_clip_sets(Document& document, const CompressionEdit& edit) {
   Json clip_sets = Json::array();
   for (const auto& clip_set : edit.clip_sets) {
     const auto view = append_view(document, clip_set.stream);
     clip_sets.push_back(Json{{"bufferView", view}, {"targets", target_groups(clip_set.targets)}});
+    put_extras(clip_sets.back(), clip_set.extras);
   }
   Json extension{{"version", 1}, {"clipSets", std::move(clip_sets)}};
   if (edit.requirement == Requirement::fallback) extension["fallback"] = true;
+  put_extras(extension, edit.extras);
   object_member(document.json, "extensions")[extension_name] = std::move(extension);
   list_extension(document.json, "extensionsUsed", extension_name);
   if (edit.requirement == Requirement::required) list_extension(document.json, "extensionsRequired", extension_name);
@@ -141,6 +147,7 @@ void put_clips(Document& document, const CompressionEdit& edit, const std::set<i
   for (const auto& taken : edit.taken) {
     Json clip{{"clipSet", taken.clip_set}, {"clip", taken.clip}};
     if (stubs.contains(taken.animation)) clip["stub"] = true;
+    put_extras(clip, taken.extras);
     object_member(animation_at(document, taken.animation), "extensions")[extension_name] = std::move(clip);
   }
 }

@@ -47,6 +47,11 @@ bool is_listed(const Json& root, const char* list) {
   return false;
 }
 
+Json extras_of(const Json& object) {
+  const Json* extras = find_member(object, "extras");
+  return extras ? *extras : Json();
+}
+
 constexpr auto most = static_cast<std::size_t>(std::numeric_limits<int>::max());
 
 void check_version(const Json& extension, const Where& where) {
@@ -90,6 +95,7 @@ ClipSetBytes read_clip_set(const Document& document, const Json& value, const Wh
   const auto view = need_int(value, "bufferView", std::min(most, array_size(document.json, "bufferViews")), where);
   const auto stream = stored_view(document, static_cast<std::size_t>(view));
   clip_set.stream.assign(stream.begin(), stream.end());
+  clip_set.extras = extras_of(value);
   return clip_set;
 }
 
@@ -133,8 +139,8 @@ std::vector<CompressedAnimation> read_clips(const Document& document, std::size_
     if (clip_sets == 0) where.fail("refers to a clip set, but the file has none");
     check_shape(animation, owner);
     flag(*clip, "stub", where);
-    clips.push_back(
-        {static_cast<int>(i), need_int(*clip, "clipSet", clip_sets, where), need_int(*clip, "clip", most, where)});
+    clips.push_back({static_cast<int>(i), need_int(*clip, "clipSet", clip_sets, where),
+                     need_int(*clip, "clip", most, where), extras_of(*clip)});
   }
   return clips;
 }
@@ -153,6 +159,7 @@ CompressedContent read_compression(const Document& document) {
   check_version(*extension, where);
   content.clip_sets = read_clip_sets(document, *extension, where);
   content.animations = read_clips(document, content.clip_sets.size());
+  content.extras = extras_of(*extension);
   if (flag(*extension, "fallback", where)) {
     content.requirement = Requirement::fallback;
   } else if (!is_listed(document.json, "extensionsRequired")) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rate_codec.h"
+#include "rate_contexts.h"
 #include "rate_dct.h"
 #include "rate_gltfpack.h"
 #include "rate_hidden.h"
@@ -99,6 +100,7 @@ RateTable measure_table(const Arguments& arguments, const std::string& file, dou
     options.effort = arguments.efforts.front();
     for (const CompressOptions& without : ablations(options))
       add(apart("without a part", [&] { return measure_codec(file, without); }));
+    add(apart("without contexts", [&] { return measure_without_contexts(file, options); }));
     add(apart("without sharing", [&] { return measure_clips_apart(file, options); }));
     add(apart("with a hidden layer", [&] { return measure_hidden_layer(file, options); }));
   }

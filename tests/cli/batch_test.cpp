@@ -145,13 +145,31 @@ TEST_F(Batch, TheCacheKnowsWhatTheBytesDependOn) {
   };
   EXPECT_FALSE(from_cache({}));
   EXPECT_TRUE(from_cache({}));
-  for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
-           {"--tolerance", "1%"}, {"--effort", "1"}, {"--optional"}, {"--fallback"}, {"--exclude", "wave"}}) {
+  for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{{"--tolerance", "1%"},
+                                                                                       {"--effort", "1"},
+                                                                                       {"--optional"},
+                                                                                       {"--fallback"},
+                                                                                       {"--explain"},
+                                                                                       {"--exclude", "wave"}}) {
     EXPECT_FALSE(from_cache(options)) << options[0];
     EXPECT_TRUE(from_cache(options)) << options[0];
   }
   character("a.glb", 32);  // another content under the same name
   EXPECT_FALSE(from_cache({}));
+}
+
+TEST_F(Batch, EveryFileKeepsWhatWasTried) {
+  const std::string a = character("in/a.glb"), b = character("in/b.glb", 61);
+  const Json made = report({a, b, "-o", file("out"), "--explain", "--cache", file("cache")});
+  EXPECT_EQ(made["totals"]["compressed_files"], 2);
+  const auto search = [&](const std::string& path) {
+    return Json::parse(run_well({"inspect", path, "--json"}).out)["clip_sets"][0]["clips"][0]["search"];
+  };
+  for (const char* name : {"out/a.glb", "out/b.glb"}) EXPECT_FALSE(search(file(name))["tried"].empty()) << name;
+  const Bytes first = read_bytes(file("out/a.glb"));
+  std::filesystem::remove(file("out/a.glb"));
+  EXPECT_EQ(report({a, b, "-o", file("out"), "--explain", "--cache", file("cache")})["totals"]["from_cache"], 2);
+  EXPECT_EQ(read_bytes(file("out/a.glb")), first);
 }
 
 TEST_F(Batch, TheCacheKnowsBuffersInOtherFiles) {

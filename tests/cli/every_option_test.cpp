@@ -172,6 +172,7 @@ const std::vector<Row>& rows() {
        "ratio",
        {"IN", "OUT.glb", "--report", "OUT.txt"},
        ".html"},
+      {"compress", "--explain", {"IN", "OUT.glb", "--explain"}, "ratio", {"IN", "OUT.glb", "--explain=perhaps"}, ""},
       {"compress",
        "--json",
        {"IN", "OUT.glb", "--json"},

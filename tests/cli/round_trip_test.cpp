@@ -108,6 +108,32 @@ TEST_F(RoundTrip, InspectTellsWhatIsInside) {
   EXPECT_THAT(run_well({"inspect", in}).out, HasSubstr("1 animations, 0 compressed"));
 }
 
+TEST_F(RoundTrip, InspectTellsWhyWhereTheFileSaysIt) {
+  TinyGlb tiny;
+  tiny.json["animations"].push_back(tiny.json["animations"][0]);
+  tiny.json["animations"][1]["name"] = "stay";
+  const std::string in = input("in.glb", tiny.bytes());
+  compress(in, file("plain.glb"), {"--tolerance", "0.5%", "--exclude", "stay"});
+  const std::string plain = run_well({"inspect", file("plain.glb")}).out;
+  EXPECT_THAT(plain, HasSubstr("one compressed with --explain does"));
+  EXPECT_EQ(Json::parse(run_well({"inspect", file("plain.glb"), "--json"}).out)["clip_sets"][0]["clips"][0]["search"],
+            Json());
+
+  compress(in, file("packed.glb"), {"--tolerance", "0.5%", "--exclude", "stay", "--explain"});
+  const std::string text = run_well({"inspect", file("packed.glb")}).out;
+  EXPECT_THAT(text, Not(HasSubstr("--explain")));
+  EXPECT_THAT(text, testing::ContainsRegex("wave: [a-z, ]+ [0-9,]+ B was the smallest;"));
+  EXPECT_THAT(text, testing::ContainsRegex("keys [0-9,]+ B and [0-9,]+ B of JSON"));
+  EXPECT_THAT(text, HasSubstr("stay: excluded"));
+  const Json inside = Json::parse(run_well({"inspect", file("packed.glb"), "--json"}).out);
+  const Json& clip = inside["clip_sets"][0]["clips"][0];
+  EXPECT_EQ(clip["search"]["tried"][0]["basis"], clip["basis"]);
+  EXPECT_EQ(clip["search"]["tried"][0]["within_bound"], true);
+  ASSERT_EQ(inside["kept"].size(), 1U);
+  EXPECT_EQ(inside["kept"][0]["animation"], 1);
+  run_well({"verify", in, file("packed.glb"), "--tolerance", "0.5%"});
+}
+
 TEST_F(RoundTrip, SameBytesForAnyNumberOfThreads) {
   const std::string in = input("in.glb", TinyGlb().bytes());
   for (const char* profile : {"default", "paper"}) {

@@ -4,6 +4,7 @@ import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import Ajv from 'ajv/dist/2020.js';
+import { expand } from '../../gltf_ext/js/src/index.js';
 import { compressed, fixtures, noTool, readGlb, root, sample } from './support.mjs';
 
 const folder = join(root, 'gltf_ext/schema');
@@ -51,6 +52,17 @@ for (const option of ['--optional', '--fallback']) {
     assert.ok(validate(readGlb(readFileSync(compressed(sample('props.glb'), option))).json) >= 2);
   });
 }
+
+test('the file that the tool writes with --explain: the record is in extras, and readers ignore it', { skip: noTool }, () => {
+  const [explained, plain] = [['--explain'], []].map((options) => readFileSync(compressed(sample('props.glb'), ...options)));
+  const { json } = readGlb(explained);
+  assert.ok(validate(json) >= 2);
+  const clips = json.animations.map((animation) => animation.extensions?.[name]).filter(Boolean);
+  assert.ok(clips.length > 0);
+  for (const clip of clips) assert.ok(clip.extras.search.tried.length > 0);
+  assert.ok(!JSON.stringify(readGlb(plain).json).includes('"tried"'));
+  assert.deepEqual(Buffer.from(expand(explained)), Buffer.from(expand(plain)));
+});
 
 test('the schemas refuse what the specification forbids', () => {
   const good = { version: 1, clipSets: [{ bufferView: 0, targets: [{ path: 'scale', nodes: [0, 1] }] }] };

@@ -18,9 +18,12 @@ namespace nmc::test {
 using Bytes = std::vector<std::uint8_t>;
 
 inline Bytes read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) throw std::runtime_error("cannot read " + path.string());
-  return Bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  Bytes bytes(static_cast<std::size_t>(file.tellg()));
+  file.seekg(0).read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!file) throw std::runtime_error("cannot read " + path.string());
+  return bytes;
 }
 
 inline void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
