@@ -309,6 +309,7 @@ class ClipSearch {
   /// anchors close. The less corrected end follows: the other one needs what it has.
   void close_seam(LevelClip& levels) const {
     const Eigen::Index last = prepared_.layout.values.cols() - 1;
+    mirror_atoms(levels, last);
     const Eigen::VectorXd at_first = atom_levels(levels, 0), at_last = atom_levels(levels, last);
     const bool first_leads = at_first.cwiseAbs().sum() > at_last.cwiseAbs().sum();
     const Eigen::VectorXd change = first_leads ? at_first - at_last : at_last - at_first;
@@ -317,6 +318,25 @@ class ClipSearch {
       if (const auto level = static_cast<std::int32_t>(std::lround(change(i))); level != 0)
         put_atom({follower, static_cast<int>(i), 0, level}, levels.atoms);
     tidy_atoms(levels.atoms);
+  }
+
+  /// An atom that only overlaps an end adds a part of a step there, which no atom of the other end's own could: it gets
+  /// its mirror image.
+  static void mirror_atoms(LevelClip& levels, Eigen::Index last) {
+    std::vector<LevelAtom> images;
+    for (const LevelAtom& atom : levels.atoms) {
+      if (atom.width == LevelAtom::jump_width) continue;
+      const auto at = static_cast<Eigen::Index>(atom.sample);
+      const Eigen::Index away = std::min(at, last - at);
+      if (away == 0 || away >= Eigen::Index{1} << atom.width) continue;
+      LevelAtom image = atom;
+      image.sample = static_cast<std::uint32_t>(last - at);
+      const bool has_image = std::any_of(levels.atoms.begin(), levels.atoms.end(), [&](const LevelAtom& other) {
+        return other.sample == image.sample && other.parameter == image.parameter && other.width == image.width;
+      });
+      if (!has_image) images.push_back(image);
+    }
+    for (const LevelAtom& image : images) put_atom(image, levels.atoms);
   }
 
   /// What atoms add to each parameter at one end of the clip, in their steps.
