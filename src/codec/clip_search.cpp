@@ -11,6 +11,7 @@
 #include "codec/between.h"
 #include "codec/contacts.h"
 #include "codec/corrections.h"
+#include "codec/features.h"
 #include "codec/jumps.h"
 #include "codec/refinement.h"
 #include "codec/set_steps.h"
@@ -78,16 +79,6 @@ std::vector<SparseSettings> cuts_of(std::size_t samples, bool loops, bool jumps,
   return cuts;
 }
 
-/// The last pose is the first one again: what is coded of a loop should have no seam either.
-bool is_loop(const PreparedClip& clip) {
-  constexpr std::size_t fewest = 8;
-  const Eigen::MatrixXd& values = clip.layout.values;
-  if (static_cast<std::size_t>(values.cols()) < fewest) return false;
-  Eigen::VectorXd seam = values.rightCols(1) - values.leftCols(1);
-  if (const Eigen::MatrixXd& given = clip.steps.given; given.size() > 0) seam -= given.rightCols(1) - given.leftCols(1);
-  return ((seam.cwiseAbs() - clip.steps.anchor).array() <= 0).all();
-}
-
 /// A trained, corrected candidate.
 struct Trial {
   SparseSettings settings;
@@ -144,7 +135,7 @@ class ClipSearch {
   Trial best_cut(const SearchPlan& plan) {
     Trial best;
     for (SparseSettings& settings :
-         cuts_of(clip_.clip.times.size(), is_loop(prepared_), !prepared_.jumps.empty(), effort_)) {
+         cuts_of(clip_.clip.times.size(), prepared_.loops, !prepared_.jumps.empty(), effort_)) {
       settings.step_exponent = clip_.clip.times.size() > 120 ? -3 : 1;
       settings.rate = usual_rate;
       settings.iterations = plan.first_iterations;
@@ -294,7 +285,10 @@ class ClipSearch {
       if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
                    strictness, most_atoms, threads_))
         return false;
-      if (context_.exact_ends) restore_ends(levels);
+      if (context_.exact_ends)
+        restore_ends(levels);
+      else if (prepared_.loops && round < rounds / 2)  // better a seam than no end
+        close_seam(levels);
       const motion::ErrorProfile profile = error_profile(levels);
       if (!tighten(profile, 1 + 0.1 * round, strictness)) return true;
       mend_flips(profile, round < 3 ? 1.5 : 1, levels);
@@ -310,6 +304,50 @@ class ClipSearch {
       for (const std::vector<LevelAtom>& atoms : missing_by_target(prepared_.layout, prepared_.steps, end, 1, values))
         for (const LevelAtom& atom : atoms) put_atom(atom, levels.atoms);
     tidy_atoms(levels.atoms);
+  }
+
+  /// What atoms change at one end of a loop they change at the other as well, or they would open the seam that the
+  /// anchors close. The less corrected end follows: the other one needs what it has.
+  void close_seam(LevelClip& levels) const {
+    const Eigen::Index last = prepared_.layout.values.cols() - 1;
+    mirror_atoms(levels, last);
+    const Eigen::VectorXd at_first = atom_levels(levels, 0), at_last = atom_levels(levels, last);
+    const bool first_leads = at_first.cwiseAbs().sum() > at_last.cwiseAbs().sum();
+    const Eigen::VectorXd change = first_leads ? at_first - at_last : at_last - at_first;
+    const auto follower = static_cast<std::uint32_t>(first_leads ? last : 0);
+    for (Eigen::Index i = 0; i < change.size(); ++i)
+      if (const auto level = static_cast<std::int32_t>(std::lround(change(i))); level != 0)
+        put_atom({follower, static_cast<int>(i), 0, level}, levels.atoms);
+    tidy_atoms(levels.atoms);
+  }
+
+  /// An atom that only overlaps an end adds a part of a step there, which no atom of the other end's own could: it gets
+  /// its mirror image.
+  static void mirror_atoms(LevelClip& levels, Eigen::Index last) {
+    std::vector<LevelAtom> images;
+    for (const LevelAtom& atom : levels.atoms) {
+      if (atom.width == LevelAtom::jump_width) continue;
+      const auto at = static_cast<Eigen::Index>(atom.sample);
+      const Eigen::Index away = std::min(at, last - at);
+      if (away == 0 || away >= Eigen::Index{1} << atom.width) continue;
+      LevelAtom image = atom;
+      image.sample = static_cast<std::uint32_t>(last - at);
+      const bool has_image = std::any_of(levels.atoms.begin(), levels.atoms.end(), [&](const LevelAtom& other) {
+        return other.sample == image.sample && other.parameter == image.parameter && other.width == image.width;
+      });
+      if (!has_image) images.push_back(image);
+    }
+    for (const LevelAtom& image : images) put_atom(image, levels.atoms);
+  }
+
+  /// What atoms add to each parameter at one end of the clip, in their steps.
+  Eigen::VectorXd atom_levels(const LevelClip& levels, Eigen::Index sample) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(prepared_.layout.values.rows());
+    for (const LevelAtom& atom : levels.atoms)
+      if (atom.width != LevelAtom::jump_width)
+        sum(atom.parameter) +=
+            atom.level * atom_share(std::abs(sample - static_cast<Eigen::Index>(atom.sample)), atom.width);
+    return sum;
   }
 
   motion::ErrorProfile error_profile(const LevelClip& levels) const {
@@ -365,6 +403,17 @@ class ClipSearch {
   std::size_t best_bytes_ = std::numeric_limits<std::size_t>::max();
 };
 
+/// Whether the last pose is the first one again, as motion::ErrorReport means it.
+bool is_loop(const Rows& positions, Eigen::Index points, double size) {
+  constexpr Eigen::Index fewest = 8;
+  if (positions.cols() < fewest) return false;
+  const Rows gap = (positions.rightCols(1) - positions.leftCols(1)).square();
+  float most = 0;
+  for (Eigen::Index q = 0; q < points; ++q) most = std::max(most, gap.middleRows(3 * q, 3).sum());
+  for (Eigen::Index morph = 3 * points; morph < gap.rows(); ++morph) most = std::max(most, gap(morph, 0));
+  return std::sqrt(static_cast<double>(most)) <= motion::loop_gap * size;
+}
+
 }  // namespace
 
 PreparedClip prepare_clip(const SearchContext& context, std::size_t index, double contact_weight) {
@@ -384,6 +433,7 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
   clip.wanted = positions(clip.layout.values);
   clip.offset = in_blocks(positions(coded) - clip.wanted);
   clip.coded = coded.col(0);
+  clip.loops = is_loop(clip.wanted, static_cast<Eigen::Index>(points.size()), context.source.size);
   clip.emphasis =
       in_blocks(contact_emphasis(clip.wanted, points.size(), motion.times, context.source.size, contact_weight));
   return clip;

@@ -27,6 +27,7 @@ struct PreparedClip {
   Rows wanted;                   ///< positions of the points of the bound
   LaneRows offset;               ///< in blocks: what the rounding of fixed targets moves them by
   std::vector<LevelAtom> jumps;  ///< taken out before training
+  bool loops = false;            ///< the last pose is the first one again
   LaneRows emphasis;             ///< in blocks, points x samples: how much an error counts
 };
 

@@ -124,8 +124,13 @@ class Trainer {
         anchors.col(column) = truth_.col(std::min(static_cast<Eigen::Index>(settings_.boundaries[r]), samples_ - 1));
     }
     anchors.array().colwise() /= anchor_step_.array();
-    if (settings_.loops) anchors.rightCols(1) = anchors.leftCols(1).eval();
+    if (settings_.loops) anchors.rightCols(1) = anchors.leftCols(1) + closing_levels();
     anchors_.start(std::move(anchors));
+  }
+
+  /// How far the last pose of a loop is from the first: nothing, mostly.
+  Eigen::VectorXf closing_levels() const {
+    return ((truth_.rightCols(1) - truth_.leftCols(1)).array() / anchor_step_.array()).round().matrix();
   }
 
   /// The whole cycles have no mean of their own: the line between the two anchors carries it, and the drift.

@@ -26,7 +26,7 @@ struct SparseSettings {
   int step_exponent = 0;
   double rate = 0.25;    ///< how much a bit weighs against error
   int iterations = 300;  ///< 0: the rounded transform
-  bool loops = false;    ///< the last anchor is the first one (not with the cosine basis)
+  bool loops = false;    ///< the last anchor is as far from the first as the last pose is (not with the cosine basis)
   bool jumps = false;    ///< the given atoms are in use
 };
 

@@ -80,9 +80,11 @@ class Comparison {
                      [](const MorphReach& a, const MorphReach& b) { return a.node < b.node; });
   }
 
-  void read(double seconds) {
-    original_.read(seconds);
-    decoded_.read(seconds);
+  void read(double seconds) { read(seconds, seconds); }
+
+  void read(double original_seconds, double decoded_seconds) {
+    original_.read(original_seconds);
+    decoded_.read(decoded_seconds);
     for (const int node : moving_) difference_[at(node)] = decoded_.world()[at(node)] - original_.world()[at(node)];
   }
 
@@ -260,11 +262,23 @@ ErrorReport ErrorMeter::report(const Animation& original, const Animation& decod
     if (sample.key) comparison.add_drift(sample.seconds, size_, drifts);
   }
   for (const ContactDrift& drift : drifts) raise(report.contact_drift, drift.largest());
-  WorstPoint seam;
-  search_.raise(minus(comparison.difference(), first), seam);
-  report.loop_seam = seam.error;
+  if (samples.size() > 1 && is_loop(original, samples.front().seconds, samples.back().seconds)) {
+    WorstPoint seam;
+    search_.raise(minus(comparison.difference(), first), seam);
+    report.loop_seam = seam.error;
+  }
   sampled.report(report);
   return report;
+}
+
+bool ErrorMeter::is_loop(const Animation& animation, double first_seconds, double last_seconds) const {
+  Comparison ends(*skeleton_, *points_, animation, animation);
+  ends.read(first_seconds, last_seconds);
+  WorstPoint worst;
+  search_.raise(ends.difference(), worst);
+  MorphError morph;
+  ends.raise_morph(morph);
+  return std::max(worst.error, morph.error) <= loop_gap * size_;
 }
 
 double ErrorMeter::error_at(const Animation& original, const Animation& decoded, double seconds) const {

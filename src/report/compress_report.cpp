@@ -163,11 +163,12 @@ Json error_json(const motion::ErrorReport& error, double size, const std::vector
             {"max_rotation_degrees", error.max_rotation_degrees},
             {"max_morph_weight", error.max_morph_weight},
             {"jitter_world_units", error.jitter},
-            {"loop_seam_world_units", error.loop_seam},
+            {"loop_seam_world_units", nullptr},
             {"contact_drift_world_units", error.contact_drift},
             {"worst_node", nullptr},
             {"worst_name", nullptr},
             {"worst_seconds", error.max_seconds}};
+  if (error.loop_seam) json["loop_seam_world_units"] = *error.loop_seam;
   if (error.max_node >= 0) {
     json["worst_node"] = error.max_node;
     json["worst_name"] = node_label(node_names, error.max_node);

@@ -45,7 +45,7 @@ std::string verify_text(const Verification& result, const VerifyContext& context
                       percent(e.percentile_99), node_label(context.node_names, e.max_node),
                       format_seconds(e.max_seconds), holds(clip, context) ? "yes" : "NO"});
       motion.add_row({clip.name, fmt::format("{:.3g} deg", e.max_rotation_degrees), format_length(e.jitter),
-                      format_length(e.loop_seam), format_length(e.contact_drift)});
+                      e.loop_seam ? format_length(*e.loop_seam) : "-", format_length(e.contact_drift)});
     }
     out += fmt::format("\n{}\n{}\n", errors.text(), motion.text());
   }

@@ -48,7 +48,7 @@ void measure_result(const Reference& reference, const gltf::Document& made, Meas
   row.error = error.all;
   row.joint_error = error.joints;
   row.jitter = error.jitter;
-  row.loop_seam = error.loop_seam;
+  row.loop_seam = error.loop_seam.value_or(Measurement::no_loop);
   row.contact_drift = error.contact_drift;
 }
 
@@ -106,7 +106,7 @@ Measurement measure_clips_apart(const std::filesystem::path& path, const codec::
         sum.json_bytes += clip.json_after;
         sum.error = std::max(sum.error, clip.error.max / result.size);
         sum.jitter = std::max(sum.jitter, clip.error.jitter / result.size);
-        sum.loop_seam = std::max(sum.loop_seam, clip.error.loop_seam / result.size);
+        if (clip.error.loop_seam) sum.loop_seam = std::max(sum.loop_seam, *clip.error.loop_seam / result.size);
         sum.contact_drift = std::max(sum.contact_drift, clip.error.contact_drift / result.size);
       }
   }

@@ -15,12 +15,14 @@ struct Measurement {
   double error = 0;            ///< over joints and all skin points, share of the character's size
   double joint_error = 0;      ///< over joints alone, share of the character's size
   double jitter = 0;           ///< motion::ErrorReport, share of the character's size, the largest of any animation
-  double loop_seam = 0;        ///< likewise
+  double loop_seam = no_loop;  ///< likewise, of the animations that are loops
   double contact_drift = 0;    ///< likewise
   bool joints_only = false;    ///< the method's bound is on joints alone
   double seconds = 0;          ///< of compressing
   std::size_t peak_bytes = 0;  ///< resident memory at the end of compressing, at most
   std::string note;
+
+  static constexpr double no_loop = -1;  ///< the loop seam where no animation is a loop
 };
 
 /// The method's name of the default profile at an effort.

@@ -103,7 +103,7 @@ FileError Reference::error(const gltf::Document& other) const {
     worst.all = std::max(worst.all, report.max / size_);
     worst.joints = std::max(worst.joints, report.max_joint / size_);
     worst.jitter = std::max(worst.jitter, report.jitter / size_);
-    worst.loop_seam = std::max(worst.loop_seam, report.loop_seam / size_);
+    if (report.loop_seam) worst.loop_seam = std::max(worst.loop_seam.value_or(0), *report.loop_seam / size_);
     worst.contact_drift = std::max(worst.contact_drift, report.contact_drift / size_);
   }
   return worst;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "base/animation.h"
@@ -15,10 +16,10 @@ namespace nmc::bench {
 
 /// Shares of the character's size, the largest over all animations. Infinite where an animation is missing.
 struct FileError {
-  double all = 0;     ///< joints and all skin points
-  double joints = 0;  ///< joints alone
-  double jitter = 0;  ///< motion::ErrorReport
-  double loop_seam = 0;
+  double all = 0;                   ///< joints and all skin points
+  double joints = 0;                ///< joints alone
+  double jitter = 0;                ///< motion::ErrorReport
+  std::optional<double> loop_seam;  ///< likewise; empty where no animation is a loop
   double contact_drift = 0;
 };
 

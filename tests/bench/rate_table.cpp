@@ -18,6 +18,11 @@ std::string error_text(const Measurement& row) {
   return fmt::format("{:.4g} on joints alone, {:.4g} with skin", 100 * row.joint_error, 100 * row.error);
 }
 
+/// A loop seam as per cent of the size.
+std::string seam_text(const Measurement& row, const char* format) {
+  return row.loop_seam < 0 ? "-" : fmt::format(fmt::runtime(format), 100 * row.loop_seam);
+}
+
 std::string seconds_text(const Measurement& row) { return row.seconds > 0 ? fmt::format("{:.2f}", row.seconds) : "-"; }
 
 std::string memory_text(const Measurement& row) {
@@ -88,8 +93,8 @@ void print_head(const std::string& file, double tolerance_percent) {
 
 void print_row(const Measurement& row) {
   if (row.reached)
-    fmt::print("| {} | {} | {} | {} | {:.4g} | {:.4g} | {:.4g} | {} | {} | {} |\n", row.method, row.key_bytes,
-               row.json_bytes, error_text(row), 100 * row.jitter, 100 * row.loop_seam, 100 * row.contact_drift,
+    fmt::print("| {} | {} | {} | {} | {:.4g} | {} | {:.4g} | {} | {} | {} |\n", row.method, row.key_bytes,
+               row.json_bytes, error_text(row), 100 * row.jitter, seam_text(row, "{:.4g}"), 100 * row.contact_drift,
                seconds_text(row), memory_text(row), row.note);
   else
     fmt::print("| {} | - | - | - | - | - | - | - | - | {} |\n", row.method, row.note);
@@ -114,7 +119,7 @@ void print_brief_row(const RateTable& table, const std::vector<int>& efforts) {
   const auto json = [](const Measurement& row) { return row.json_bytes; };
   const auto error = [](const Measurement& row) { return 100 * row.error; };
   const auto jitter = [](const Measurement& row) { return 100 * row.jitter; };
-  const auto seam = [](const Measurement& row) { return 100 * row.loop_seam; };
+  const auto seam = [](const Measurement& row) { return seam_text(row, "{:.3f}"); };
   const Measurement* ours = nullptr;
   fmt::print("| {} | {} |", report::printable(table.file), table.tolerance_percent);
   for (const int effort : efforts) {
@@ -123,9 +128,9 @@ void print_brief_row(const RateTable& table, const std::vector<int>& efforts) {
   }
   const Measurement* gltfpack = row_of(table, "gltfpack");
   fmt::print(" {} | {} | {} | {} | {} |", cell(ours, json), cell(ours, error, "{:.4f}"), cell(ours, jitter, "{:.3f}"),
-             cell(ours, seam, "{:.3f}"), cell(row_of(table, "DCT"), keys));
+             cell(ours, seam), cell(row_of(table, "DCT"), keys));
   fmt::print(" {} | {} | {} | {} | {} |\n", cell(gltfpack, keys), cell(gltfpack, json), cell(gltfpack, error, "{:.4f}"),
-             cell(gltfpack, jitter, "{:.3f}"), cell(gltfpack, seam, "{:.3f}"));
+             cell(gltfpack, jitter, "{:.3f}"), cell(gltfpack, seam));
   std::fflush(stdout);
 }
 

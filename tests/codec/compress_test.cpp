@@ -171,6 +171,54 @@ TEST(Compress, AJumpCostsFewBytes) {
   EXPECT_LE(bytes[1], bytes[0] + 12);
 }
 
+/// The tiny character under nothing but a swaying, trembling root, which ends `gap` from where it started.
+Document loop_with(float gap) {
+  constexpr std::size_t frames = 61;
+  TinyGlb glb(frames);
+  std::vector<float> times, places;
+  for (std::size_t n = 0; n < frames; ++n) {
+    const float u = static_cast<float>(n) / static_cast<float>(frames - 1), turn = 6.2831853F * u;
+    const auto m = static_cast<float>(n % (frames - 1));
+    times.push_back(static_cast<float>(n) / 30);
+    places.insert(places.end(),
+                  {0.3F * std::sin(turn) + 0.02F * std::cos(0.7F * m * m) + gap * u,
+                   0.2F * std::cos(2 * turn) + 0.02F * std::cos(1.1F * m * m), 0.05F * std::cos(3 * turn)});
+  }
+  const std::size_t input = glb.add(times, 5126, "SCALAR", 1), output = glb.add(places, 5126, "VEC3", 3);
+  glb.json["accessors"][input]["min"] = {times.front()};
+  glb.json["accessors"][input]["max"] = {times.back()};
+  auto& animation = glb.json["animations"][0];
+  animation["samplers"] = {{{"input", input}, {"output", output}}};
+  animation["channels"] = {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}};
+  return gltf::parse_document(glb.bytes(), "loop.glb", {});
+}
+
+TEST(Compress, ALoopThatNearlyClosesDoesSoAfterwards) {
+  const Document original = loop_with(0.005F);
+  for (const double fraction : {0.02, 0.005}) {
+    const CompressResult result = codec::compress(original, quick(fraction));
+    ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+    const motion::ErrorReport error = errors_of(original, codec::expand(result.document))[0];
+    EXPECT_LE(error.max, fraction * result.size);
+    // The difference of its two anchors is rounded to their steps, half of one of which is about 0.3 of the tolerance;
+    // the bound alone would allow twice the tolerance.
+    EXPECT_LE(error.loop_seam.value(), 0.3 * fraction * result.size) << fraction;
+  }
+}
+
+TEST(Compress, ALoopHasNoSeamAfterwards) {
+  const Document original =
+      gltf::parse_document(samples::make_character("quadruped_30hz.glb"), "quadruped_30hz.glb", {});
+  const CompressResult result = codec::compress(original, quick(0.005));
+  int loops = 0;
+  for (const motion::ErrorReport& error : errors_of(original, codec::expand(result.document))) {
+    if (!error.loop_seam) continue;
+    ++loops;
+    EXPECT_NEAR(*error.loop_seam, 0, 1e-5 * result.size);  // the keys are float32
+  }
+  EXPECT_GE(loops, 3);  // walk, gallop, idle
+}
+
 TEST(Compress, AStepThatNobodySeesIsAConstant) {
   const Document original = with_step(1e-6F);
   const CompressResult result = codec::compress(original, quick(0.005));

@@ -83,7 +83,7 @@ TEST(MeasureError, NothingDiffersIsZero) {
   EXPECT_EQ(r.max_joint, 0);
   EXPECT_EQ(r.max_rotation_degrees, 0);
   EXPECT_EQ(r.jitter, 0);
-  EXPECT_EQ(r.loop_seam, 0);
+  EXPECT_FALSE(r.loop_seam);
   EXPECT_EQ(r.max_node, -1);
 }
 
@@ -113,7 +113,7 @@ TEST(MeasureError, AChainAddsUpBelowTheWrongJoint) {
   EXPECT_NEAR(r.mean, (0 + 0 + 1 + 2 + 3) / 5.0 * chord, 1e-6);
   EXPECT_NEAR(r.percentile_99, 3 * chord, 1e-6);
   EXPECT_NEAR(r.jitter, 0, 1e-12);
-  EXPECT_NEAR(r.loop_seam, 0, 1e-12);
+  EXPECT_NEAR(r.loop_seam.value(), 0, 1e-12);
 }
 
 TEST(MeasureError, TranslationAndScale) {
@@ -218,16 +218,42 @@ TEST(MeasureError, ASteadyOrEvenlyGrowingErrorDoesNotJitter) {
   const ErrorReport r =
       measure_error(s, origins(s), only(moving(0, times, {0, 0, 0, 0})), only(moving(0, times, {1, 2, 3, 4})));
   EXPECT_NEAR(r.jitter, 0, 1e-12);
-  EXPECT_NEAR(r.loop_seam, 3, 1e-12);
+  EXPECT_NEAR(r.loop_seam.value(), 3, 1e-12);
 }
 
 TEST(MeasureError, LoopSeamIsTheChangeOfTheErrorVector) {
   const Skeleton s = chain(1);
   const std::vector<float> times{0, 1, 2};
   const ErrorReport r =
-      measure_error(s, origins(s), only(moving(0, times, {5, 6, 7})), only(moving(0, times, {5.5f, 6, 6.5f})));
+      measure_error(s, origins(s), only(moving(0, times, {5, 6, 5})), only(moving(0, times, {5.5f, 6, 4.5f})));
   EXPECT_NEAR(r.max, 0.5, 1e-12);
-  EXPECT_NEAR(r.loop_seam, 1.0, 1e-12);
+  EXPECT_NEAR(r.loop_seam.value(), 1.0, 1e-12);
+}
+
+TEST(MeasureError, OnlyALoopHasASeam) {
+  // The size is 1, so that the last pose may be 0.01 away from the first.
+  const Skeleton s = chain(1);
+  const std::vector<float> times{0, 1, 2};
+  const auto seam = [&](float last) {
+    const Animation a = only(moving(0, times, {0, 1, last}));
+    return measure_error(s, origins(s), a, a).loop_seam;
+  };
+  EXPECT_EQ(seam(0), 0);
+  EXPECT_EQ(seam(0.0099f), 0);
+  EXPECT_FALSE(seam(0.0101f));
+  const Animation pose = only(moving(0, {0}, {0}));
+  EXPECT_FALSE(measure_error(s, origins(s), pose, pose).loop_seam);
+}
+
+TEST(MeasureError, AMorphThatStaysIsNoLoop) {
+  Skeleton s = chain(1);
+  s.rest_weights[0] = {0};
+  Points points = origins(s);
+  points.morphs = {{0, 0, 0.5}};
+  const Animation there{"", {{0, Path::weights, Interpolation::linear, 1, {0, 1, 2}, {0, 1, 1}}}};
+  const Animation back{"", {{0, Path::weights, Interpolation::linear, 1, {0, 1, 2}, {0, 1, 0}}}};
+  EXPECT_FALSE(measure_error(s, points, there, there).loop_seam);
+  EXPECT_TRUE(measure_error(s, points, back, back).loop_seam);
 }
 
 TEST(MeasureError, MorphWeightsReachTheFarthestVertex) {

@@ -7,10 +7,10 @@ const errorOf = (row) => row.error;
 function columnsOf(report) {
   const share = (value) => `${percent(value / report.size_world_units)} · ${length(value)}`;
   const stays = (row) => row.outcome !== undefined && row.outcome !== 'compressed';
-  const error = (title, key, write = share) => ({
+  const error = (title, key, write = share, none = '') => ({
     title,
-    value: (row) => (stays(row) ? -1 : errorOf(row)[key]),
-    write: (value) => (value < 0 ? '' : write(value)),
+    value: (row) => (stays(row) ? -1 : (errorOf(row)[key] ?? -1)),
+    write: (value) => (value < 0 ? none : write(value)),
   });
   const worst = [
     { title: 'worst joint', text: true, value: (row) => (stays(row) ? '' : (errorOf(row).worst_name ?? '')), write: (value) => value },
@@ -24,7 +24,7 @@ function columnsOf(report) {
       error('99 %', 'percentile_99_world_units', (value) => percent(value / report.size_world_units)),
       error('rotation', 'max_rotation_degrees', degrees),
       error('jitter', 'jitter_world_units', length),
-      error('loop seam', 'loop_seam_world_units', length),
+      error('loop seam', 'loop_seam_world_units', length, '-'),
       error('drift', 'contact_drift_world_units', length),
       ...worst,
       { title: 'holds', text: true, value: (row) => (row.holds ? 'yes' : 'no'), write: (value) => value },
