@@ -181,6 +181,40 @@ TEST(Stream, AnEarlierClipPredictsTheFirstAnchorPose) {
   EXPECT_EQ(decoded.raw().clips[1].reference, 0);
 }
 
+TEST(Stream, ManyRotationsBetweenTwoSamplesAreSlerpedHoweverFarTheyTurn) {
+  constexpr std::size_t joints = 48;
+  ClipSet set;
+  set.base_step = 0.002f;
+  LevelClip clip;
+  clip.basis = Basis::sine;
+  clip.times = {0.0f, 0.5f};
+  clip.windows = {{0, 1, {}}};
+  for (std::size_t t = 0; t < joints; ++t) {
+    const auto sign = t % 2 ? -1 : 1;
+    set.targets.push_back({Path::rotation, 4, {0, 0, 0, 0}, {300, 20 * sign, -200, 0}, {}});
+    clip.states.push_back(State::moving);
+  }
+  // Angles from next to nothing to nearly a whole turn, and ways between the samples up to half a turn.
+  for (int row = 0; row < 2; ++row)
+    for (std::size_t t = 0; t < joints; ++t) {
+      const auto k = static_cast<int>(t / 3);
+      const int angle = t % 3 == 0 ? 80 * k : t % 3 == 1 ? -50 * k : 1500 + 110 * k;
+      const int way = t % 3 == 1 ? 100 * k : 40;
+      clip.anchors.insert(clip.anchors.end(), {angle + row * way, k, 7 * row});
+    }
+  set.clips = {clip};
+  const DecodedSet decoded(write_clip_set(set), "test");
+  std::vector<std::uint64_t> scratch(decoded.raw().info.scratch_bytes / 8 + 1);
+  std::vector<float> pose(decoded.raw().info.slots);
+  const ClosedForm truth(set, 0);
+  for (const double u : {0.01, 0.3, 0.5, 0.9}) {
+    ASSERT_EQ(nmc_evaluate(&decoded.raw(), 0, 0.5 * u, NMC_CLAMP, pose.data(), scratch.data()), NMC_OK);
+    const Values wanted = truth.between(0, u);
+    ASSERT_EQ(wanted.size(), pose.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(pose[i], wanted[i], 1e-5) << u << ", slot " << i;
+  }
+}
+
 TEST(Stream, ATimeThatIsNoNumberOrAClipThatIsNoneIsRefused) {
   const DecodedSet decoded(write_clip_set(SetMaker().make({})), "test");
   std::vector<std::uint64_t> scratch(decoded.raw().info.scratch_bytes / 8 + 1);
