@@ -117,4 +117,14 @@ motion::Clip clip_of_parameters(const motion::Clip& clip, const SetFrame& frame,
   return made;
 }
 
+Eigen::VectorXd end_signs(const ClipLayout& layout) {
+  Eigen::VectorXd signs = Eigen::VectorXd::Ones(layout.values.rows());
+  for (const LayoutBlock& block : layout.blocks) {
+    const auto ends = layout.values.middleRows(block.block.first, block.block.width);
+    if (block.state == State::quaternion && ends.col(0).dot(ends.rightCols(1).col(0)) < 0)
+      signs.segment(block.block.first, block.block.width).setConstant(-1);
+  }
+  return signs;
+}
+
 }  // namespace nmc::codec

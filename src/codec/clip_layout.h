@@ -52,4 +52,8 @@ ClipLayout layout_clip(const motion::Clip& clip, const SetFrame& frame);
 motion::Clip clip_of_parameters(const motion::Clip& clip, const SetFrame& frame, const ClipLayout& layout,
                                 const Eigen::MatrixXd& values);
 
+/// Per parameter what a change at the first sample is at the last one: -1 for a joint that has turned once around,
+/// whose quaternion is minus that of the first sample; else 1.
+Eigen::VectorXd end_signs(const ClipLayout& layout);
+
 }  // namespace nmc::codec

@@ -59,11 +59,18 @@ std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length)
 }
 
 /// Bases and windows worth trying for a clip. Most clips with jumps are smaller when these are taken out first.
-std::vector<SparseSettings> cuts_of(std::size_t samples, bool loops, bool jumps, int effort) {
+std::vector<SparseSettings> cuts_of(const PreparedClip& clip, int effort) {
   std::vector<SparseSettings> cuts;
+  const auto samples = static_cast<std::size_t>(clip.layout.values.cols());
+  const bool loops = clip.loops, jumps = !clip.jumps.empty();
   const auto whole = static_cast<std::uint32_t>(samples);
   if (samples <= 400 && !loops) cuts.push_back({.basis = Basis::cosine, .boundaries = {0, whole}});
-  if (samples >= 8 && samples <= 400) cuts.push_back({.basis = Basis::periodic, .boundaries = {0, whole - 1}});
+  if (samples >= 8 && samples <= 400) {
+    // What is periodic would be wrong by opposite errors at the two ends of a spin.
+    const bool spins = (end_signs(clip.layout).array() < 0).any();
+    const Basis basis = loops && spins ? Basis::sine : Basis::periodic;
+    cuts.push_back({.basis = basis, .boundaries = {0, whole - 1}});
+  }
   if (samples > 200) cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(samples, 128)});
   for (SparseSettings& cut : cuts) {
     cut.loops = loops;
@@ -134,8 +141,7 @@ class ClipSearch {
 
   Trial best_cut(const SearchPlan& plan) {
     Trial best;
-    for (SparseSettings& settings :
-         cuts_of(clip_.clip.times.size(), prepared_.loops, !prepared_.jumps.empty(), effort_)) {
+    for (SparseSettings& settings : cuts_of(prepared_, effort_)) {
       settings.step_exponent = clip_.clip.times.size() > 120 ? -3 : 1;
       settings.rate = usual_rate;
       settings.iterations = plan.first_iterations;
@@ -310,10 +316,12 @@ class ClipSearch {
   /// anchors close. The less corrected end follows: the other one needs what it has.
   void close_seam(LevelClip& levels) const {
     const Eigen::Index last = prepared_.layout.values.cols() - 1;
-    mirror_atoms(levels, last);
+    const Eigen::VectorXd signs = end_signs(prepared_.layout);
+    mirror_atoms(levels, last, signs);
     const Eigen::VectorXd at_first = atom_levels(levels, 0), at_last = atom_levels(levels, last);
     const bool first_leads = at_first.cwiseAbs().sum() > at_last.cwiseAbs().sum();
-    const Eigen::VectorXd change = first_leads ? at_first - at_last : at_last - at_first;
+    const Eigen::VectorXd change =
+        first_leads ? signs.cwiseProduct(at_first) - at_last : signs.cwiseProduct(at_last) - at_first;
     const auto follower = static_cast<std::uint32_t>(first_leads ? last : 0);
     for (Eigen::Index i = 0; i < change.size(); ++i)
       if (const auto level = static_cast<std::int32_t>(std::lround(change(i))); level != 0)
@@ -323,7 +331,7 @@ class ClipSearch {
 
   /// An atom that only overlaps an end adds a part of a step there, which no atom of the other end's own could: it gets
   /// its mirror image.
-  static void mirror_atoms(LevelClip& levels, Eigen::Index last) {
+  static void mirror_atoms(LevelClip& levels, Eigen::Index last, const Eigen::VectorXd& signs) {
     std::vector<LevelAtom> images;
     for (const LevelAtom& atom : levels.atoms) {
       if (atom.width == LevelAtom::jump_width) continue;
@@ -332,6 +340,7 @@ class ClipSearch {
       if (away == 0 || away >= Eigen::Index{1} << atom.width) continue;
       LevelAtom image = atom;
       image.sample = static_cast<std::uint32_t>(last - at);
+      if (signs(atom.parameter) < 0) image.level = -image.level;
       const bool has_image = std::any_of(levels.atoms.begin(), levels.atoms.end(), [&](const LevelAtom& other) {
         return other.sample == image.sample && other.parameter == image.parameter && other.width == image.width;
       });

@@ -68,10 +68,13 @@ class Trainer {
     truth_.resize(parameters_, samples_);
     anchor_step_.resize(parameters_);
     slot_step_.resize(parameters_);
+    end_sign_.resize(parameters_);
+    const Eigen::VectorXd signs = end_signs(layout_);
     for (Eigen::Index i = 0; i < parameters_; ++i) {
       truth_.row(i) = layout_.values.row(parameter(i)).cast<float>();
       anchor_step_(i) = static_cast<float>(steps_.anchor(parameter(i)));
       slot_step_(i) = static_cast<float>(steps_.slot(parameter(i)));
+      end_sign_(i) = static_cast<float>(signs(parameter(i)));
     }
     take_given_out();
     start_anchors();
@@ -124,13 +127,14 @@ class Trainer {
         anchors.col(column) = truth_.col(std::min(static_cast<Eigen::Index>(settings_.boundaries[r]), samples_ - 1));
     }
     anchors.array().colwise() /= anchor_step_.array();
-    if (settings_.loops) anchors.rightCols(1) = anchors.leftCols(1) + closing_levels();
+    if (settings_.loops) anchors.rightCols(1) = end_sign_.cwiseProduct(anchors.leftCols(1)) + closing_levels();
     anchors_.start(std::move(anchors));
   }
 
   /// How far the last pose of a loop is from the first: nothing, mostly.
   Eigen::VectorXf closing_levels() const {
-    return ((truth_.rightCols(1) - truth_.leftCols(1)).array() / anchor_step_.array()).round().matrix();
+    const Eigen::VectorXf gap = truth_.rightCols(1) - end_sign_.cwiseProduct(truth_.leftCols(1));
+    return (gap.array() / anchor_step_.array()).round().matrix();
   }
 
   /// The whole cycles have no mean of their own: the line between the two anchors carries it, and the drift.
@@ -237,8 +241,10 @@ class Trainer {
       anchors_.gradient.col(r - 1).array() -= slope;
     }
     if (settings_.loops) {
-      const Eigen::VectorXf both = anchors_.gradient.leftCols(1) + anchors_.gradient.rightCols(1);
-      anchors_.gradient.leftCols(1) = anchors_.gradient.rightCols(1) = both;
+      const Eigen::VectorXf both =
+          anchors_.gradient.leftCols(1) + end_sign_.cwiseProduct(anchors_.gradient.rightCols(1));
+      anchors_.gradient.leftCols(1) = both;
+      anchors_.gradient.rightCols(1) = end_sign_.cwiseProduct(both);
     }
   }
 
@@ -360,8 +366,9 @@ class Trainer {
   const SparseSettings& settings_;
   Eigen::Index parameters_, samples_;
   Eigen::VectorXf anchor_step_, slot_step_;
-  Eigen::MatrixXd given_;  ///< by atoms and a network: all parameters x samples; empty where there are none
-  Curves truth_;           ///< without what is given
+  Eigen::VectorXf end_sign_;  ///< of a loop (end_signs)
+  Eigen::MatrixXd given_;     ///< by atoms and a network: all parameters x samples; empty where there are none
+  Curves truth_;              ///< without what is given
   Trained anchors_;
   std::vector<Window> windows_;
   Rows delta_, gradient_;

@@ -171,26 +171,46 @@ TEST(Compress, AJumpCostsFewBytes) {
   EXPECT_LE(bytes[1], bytes[0] + 12);
 }
 
-/// The tiny character under nothing but a swaying, trembling root, which ends `gap` from where it started.
-Document loop_with(float gap) {
-  constexpr std::size_t frames = 61;
-  TinyGlb glb(frames);
-  std::vector<float> times, places;
-  for (std::size_t n = 0; n < frames; ++n) {
-    const float u = static_cast<float>(n) / static_cast<float>(frames - 1), turn = 6.2831853F * u;
-    const auto m = static_cast<float>(n % (frames - 1));
-    times.push_back(static_cast<float>(n) / 30);
-    places.insert(places.end(),
-                  {0.3F * std::sin(turn) + 0.02F * std::cos(0.7F * m * m) + gap * u,
-                   0.2F * std::cos(2 * turn) + 0.02F * std::cos(1.1F * m * m), 0.05F * std::cos(3 * turn)});
-  }
-  const std::size_t input = glb.add(times, 5126, "SCALAR", 1), output = glb.add(places, 5126, "VEC3", 3);
+constexpr std::size_t loop_frames = 61;
+
+/// The tiny character under nothing but one curve of its root, of so many numbers a key.
+Document root_curve(const std::vector<float>& values, const char* path, const char* type, std::size_t width) {
+  TinyGlb glb(loop_frames);
+  std::vector<float> times;
+  for (std::size_t n = 0; n < loop_frames; ++n) times.push_back(static_cast<float>(n) / 30);
+  const std::size_t input = glb.add(times, 5126, "SCALAR", 1), output = glb.add(values, 5126, type, width);
   glb.json["accessors"][input]["min"] = {times.front()};
   glb.json["accessors"][input]["max"] = {times.back()};
   auto& animation = glb.json["animations"][0];
   animation["samplers"] = {{{"input", input}, {"output", output}}};
-  animation["channels"] = {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}};
+  animation["channels"] = {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}};
   return gltf::parse_document(glb.bytes(), "loop.glb", {});
+}
+
+/// A swaying, trembling root, which ends `gap` from where it started.
+Document loop_with(float gap) {
+  std::vector<float> places;
+  for (std::size_t n = 0; n < loop_frames; ++n) {
+    const float u = static_cast<float>(n) / static_cast<float>(loop_frames - 1), turn = 6.2831853F * u;
+    const auto m = static_cast<float>(n % (loop_frames - 1));
+    places.insert(places.end(),
+                  {0.3F * std::sin(turn) + 0.02F * std::cos(0.7F * m * m) + gap * u,
+                   0.2F * std::cos(2 * turn) + 0.02F * std::cos(1.1F * m * m), 0.05F * std::cos(3 * turn)});
+  }
+  return root_curve(places, "translation", "VEC3", 3);
+}
+
+/// A trembling root that turns once around: its last quaternion is minus the first.
+Document spinning_loop() {
+  std::vector<float> rotations;
+  for (std::size_t n = 0; n < loop_frames; ++n) {
+    const auto m = static_cast<float>(n % (loop_frames - 1));
+    const float half = 3.14159265F * static_cast<float>(n) / static_cast<float>(loop_frames - 1);
+    const float tilt = 0.05F + 0.03F * std::cos(0.7F * m * m);
+    rotations.insert(rotations.end(), {std::sin(tilt) * std::cos(half), std::cos(tilt) * std::sin(half),
+                                       std::sin(tilt) * std::sin(half), std::cos(tilt) * std::cos(half)});
+  }
+  return root_curve(rotations, "rotation", "VEC4", 4);
 }
 
 TEST(Compress, ALoopThatNearlyClosesDoesSoAfterwards) {
@@ -203,6 +223,17 @@ TEST(Compress, ALoopThatNearlyClosesDoesSoAfterwards) {
     // The difference of its two anchors is rounded to their steps, half of one of which is about 0.3 of the tolerance;
     // the bound alone would allow twice the tolerance.
     EXPECT_LE(error.loop_seam.value(), 0.3 * fraction * result.size) << fraction;
+  }
+}
+
+TEST(Compress, ALoopThatSpinsHasNoSeamAfterwards) {
+  const Document original = spinning_loop();
+  for (const double fraction : {0.02, 0.005}) {
+    const CompressResult result = codec::compress(original, quick(fraction));
+    ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+    const motion::ErrorReport error = errors_of(original, codec::expand(result.document))[0];
+    EXPECT_LE(error.max, fraction * result.size);
+    EXPECT_LE(error.loop_seam.value(), 1e-4 * result.size) << fraction;
   }
 }
 
