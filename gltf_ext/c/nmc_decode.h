@@ -1777,17 +1777,8 @@ static void nmc__start_between(double u, nmc__between *between) {
 }
 
 /* sin(u x) / sin x of z = cos x - 1, 0 <= u <= 1, -0.12 <= z <= 0, error below 1e-11: the series in z, each of whose
- * terms is the one before times z (u^2 - k^2) / (k (2 k + 1)). Terms in pairs do not wait for each other; small angles
- * need half of them. */
+ * terms is the one before times z (u^2 - k^2) / (k (2 k + 1)). Terms in pairs do not wait for each other. */
 NMC__INLINE double nmc__share(double u, const double *t, double z) {
-  const double z2 = z * z, z4 = z2 * z2;
-  double sum = (1 + t[0] * z) + z2 * (t[1] + t[2] * z) + z4 * t[3];
-  if (z < -0.002) sum += z4 * ((t[4] * z + t[5] * z2) + z2 * (t[6] * z + t[7] * z2));
-  return u * sum;
-}
-
-/* The same with all terms. */
-NMC__INLINE double nmc__share_sum(double u, const double *t, double z) {
   const double z2 = z * z, z4 = z2 * z2;
   return u *
          ((1 + t[0] * z) + z2 * (t[1] + t[2] * z) + z4 * (t[3] + t[4] * z) + z4 * z2 * ((t[5] + t[6] * z) + t[7] * z2));
@@ -1875,7 +1866,7 @@ static void nmc__lanes_between(const nmc__lanes *lanes, const nmc__between *betw
   for (k = 0; k < NMC__LANES; ++k) {
     const double dot =
         (e[0][0][k] * e[1][0][k] + e[0][1][k] * e[1][1][k]) + (e[0][2][k] * e[1][2][k] + e[0][3][k] * e[1][3][k]);
-    const double wa = nmc__share_sum(1 - u, first, dot - 1), wb = nmc__share_sum(u, second, dot - 1);
+    const double wa = nmc__share(1 - u, first, dot - 1), wb = nmc__share(u, second, dot - 1);
     const double a = wa * e[0][0][k] + wb * e[1][0][k], b = wa * e[0][1][k] + wb * e[1][1][k],
                  c = wa * e[0][2][k] + wb * e[1][2][k], d = wa * e[0][3][k] + wb * e[1][3][k];
     const double rx = lanes->reference[0][k], ry = lanes->reference[1][k], rz = lanes->reference[2][k],
