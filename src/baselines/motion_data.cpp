@@ -14,25 +14,6 @@ constexpr std::uint64_t most_samples = std::uint64_t{1} << 22;
 constexpr std::uint64_t most_values = std::uint64_t{1} << 26;
 constexpr std::uint64_t most_targets = 1u << 16;
 
-std::vector<float> rest_value(const motion::Skeleton& skeleton, const codec::NodeTarget& target) {
-  const motion::Transform& rest = skeleton.rest[at(target.node)];
-  const auto f = [](double x) { return static_cast<float>(x); };
-  switch (target.path) {
-    case Path::translation:
-      return {f(rest.translation.x), f(rest.translation.y), f(rest.translation.z)};
-    case Path::rotation:
-      return {f(rest.rotation.x), f(rest.rotation.y), f(rest.rotation.z), f(rest.rotation.w)};
-    case Path::scale:
-      return {f(rest.scale.x), f(rest.scale.y), f(rest.scale.z)};
-    case Path::weights:
-      break;
-  }
-  std::vector<float> value(at(target.width), 0.0f);
-  const std::vector<double>& weights = skeleton.rest_weights[at(target.node)];
-  for (std::size_t i = 0; i < std::min(value.size(), weights.size()); ++i) value[i] = f(weights[i]);
-  return value;
-}
-
 /// Turned by up to rounding, or the opposite sign of a quaternion.
 bool is_same(const std::vector<float>& a, std::span<const float> b, Path path) {
   constexpr float rounding = 1e-6f;
@@ -111,6 +92,25 @@ std::vector<float> read_times(ByteReader& bytes) {
 }
 
 }  // namespace
+
+std::vector<float> rest_value(const motion::Skeleton& skeleton, const codec::NodeTarget& target) {
+  const motion::Transform& rest = skeleton.rest[at(target.node)];
+  const auto f = [](double x) { return static_cast<float>(x); };
+  switch (target.path) {
+    case Path::translation:
+      return {f(rest.translation.x), f(rest.translation.y), f(rest.translation.z)};
+    case Path::rotation:
+      return {f(rest.rotation.x), f(rest.rotation.y), f(rest.rotation.z), f(rest.rotation.w)};
+    case Path::scale:
+      return {f(rest.scale.x), f(rest.scale.y), f(rest.scale.z)};
+    case Path::weights:
+      break;
+  }
+  std::vector<float> value(at(target.width), 0.0f);
+  const std::vector<double>& weights = skeleton.rest_weights[at(target.node)];
+  for (std::size_t i = 0; i < std::min(value.size(), weights.size()); ++i) value[i] = f(weights[i]);
+  return value;
+}
 
 int Head::rows() const {
   int rows = 0;

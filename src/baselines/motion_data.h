@@ -31,6 +31,9 @@ struct MotionData {
   std::vector<Eigen::MatrixXd> clips;
 };
 
+/// What a property is where no clip animates it: width numbers.
+std::vector<float> rest_value(const motion::Skeleton& skeleton, const codec::NodeTarget& target);
+
 /// A property that a clip does not animate has its rest value there.
 MotionData motion_data(const codec::Source& source);
 

@@ -18,7 +18,7 @@ namespace nmc::motion {
 double character_size(const Skeleton& skeleton, const Points& points);
 
 /// An animation is a loop where, at its last key, no point is farther than this from its place at the first key, as a
-/// share of the size. Real loops close exactly or within 0.9 %; walks that lack their last frame miss by 1.4 % or more.
+/// share of the size: real loops often close only nearly.
 inline constexpr double loop_gap = 0.01;
 
 /// Distances in world units, over all sampled times: the key times of the original and the midpoints between them.

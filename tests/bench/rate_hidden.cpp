@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "baselines/motion_data.h"
 #include "codec/set_steps.h"
 #include "codec/source.h"
 #include "codec/standard_profile.h"
@@ -31,17 +32,6 @@ constexpr std::array<HiddenSettings, 5> sizes{{
     {.frequencies = 8, .hidden0 = 8, .hidden1 = 8, .output_step = 1, .rate = 1},
 }};
 
-std::vector<float> rest_value(const motion::Skeleton& skeleton, const NodeTarget& target) {
-  const auto node = static_cast<std::size_t>(target.node);
-  const auto as_floats = [](auto... values) { return std::vector<float>{static_cast<float>(values)...}; };
-  const auto& [t, r, s] = skeleton.rest[node];
-  if (target.path == Path::translation) return as_floats(t.x, t.y, t.z);
-  if (target.path == Path::rotation) return as_floats(r.x, r.y, r.z, r.w);
-  if (target.path == Path::scale) return as_floats(s.x, s.y, s.z);
-  const std::vector<double>& weights = skeleton.rest_weights[node];
-  return {weights.begin(), weights.end()};
-}
-
 /// Clips beside a network have the same targets: one that lacks some holds them at rest.
 Source with_all_targets(Source source) {
   std::vector<const motion::Clip*> clips;
@@ -49,7 +39,8 @@ Source with_all_targets(Source source) {
   for (const NodeTarget& target : common_targets(source.skeleton, clips))
     for (ClipSource& clip : source.clips)
       if (!find_track(clip.clip, target))
-        clip.clip.tracks.push_back({target.node, target.path, target.width, rest_value(source.skeleton, target)});
+        clip.clip.tracks.push_back(
+            {target.node, target.path, target.width, baselines::rest_value(source.skeleton, target)});
   return source;
 }
 
