@@ -15,12 +15,15 @@
 #include "codec/jumps.h"
 #include "codec/refinement.h"
 #include "codec/set_steps.h"
+#include "codec/windows.h"
 
 namespace nmc::codec {
 namespace {
 
 /// The part of the tolerance that is aimed at: the rest covers what lies between samples and points.
 constexpr double aim = 0.985;
+
+constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
 /// How long the search for one clip may take, by effort.
 struct SearchPlan {
@@ -50,16 +53,11 @@ std::vector<int> efforts_of(int effort) {
   return efforts;
 }
 
-std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length) {
-  const std::size_t last = samples - 1;
-  const std::size_t windows = std::max<std::size_t>(1, (last + length / 2) / length);
-  std::vector<std::uint32_t> boundaries;
-  for (std::size_t k = 0; k <= windows; ++k) boundaries.push_back(static_cast<std::uint32_t>(k * last / windows));
-  return boundaries;
-}
+/// Where the search for steps begins.
+int first_exponent(std::size_t samples) { return samples > 120 ? -3 : 1; }
 
 /// Bases and windows worth trying for a clip. Most clips with jumps are smaller when these are taken out first.
-std::vector<SparseSettings> cuts_of(const PreparedClip& clip, int effort) {
+std::vector<SparseSettings> cuts_of(const PreparedClip& clip, int effort, int threads) {
   std::vector<SparseSettings> cuts;
   const auto samples = static_cast<std::size_t>(clip.layout.values.cols());
   const bool loops = clip.loops, jumps = !clip.jumps.empty();
@@ -71,7 +69,10 @@ std::vector<SparseSettings> cuts_of(const PreparedClip& clip, int effort) {
     const Basis basis = loops && spins ? Basis::sine : Basis::periodic;
     cuts.push_back({.basis = basis, .boundaries = {0, whole - 1}});
   }
-  if (samples > 200) cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(samples, 128)});
+  if (samples >= 8)
+    cuts.push_back(
+        {.basis = Basis::sine,
+         .boundaries = fitted_windows(clip.layout, clip.steps, clip.jumps, first_exponent(samples), threads)});
   for (SparseSettings& cut : cuts) {
     cut.loops = loops;
     cut.jumps = jumps;
@@ -90,7 +91,7 @@ std::vector<SparseSettings> cuts_of(const PreparedClip& clip, int effort) {
 struct Trial {
   SparseSettings settings;
   TrainingState state;
-  std::size_t bytes = std::numeric_limits<std::size_t>::max();
+  std::size_t bytes = unlimited;
   bool kept = false;  ///< within the tolerance
 
   bool beats(const Trial& other) const { return kept != other.kept ? kept : bytes < other.bytes; }
@@ -111,13 +112,13 @@ class ClipSearch {
 
   LevelClip run() {
     const SearchPlan plan = plan_of(effort_, clip_.clip.times.size());
-    Trial current = best_cut(plan);
+    Trial current = effort_ > 5 ? best_of_descents(plan) : best_cut(plan);
     if (!current.kept) current = first_within_bound(current, plan);
-    if (current.kept) descend(current, plan);
+    if (current.kept && effort_ <= 5) descend(current, plan);
     if (plan.last_iterations > 0 && current.kept) {
       SparseSettings last = current.settings;
       last.iterations = plan.last_iterations;
-      offer(last, &current.state);
+      offer(last, &current.state, best_bytes_);
     }
     if (best_) return *best_;
     SparseSettings plain = current.settings;
@@ -139,13 +140,29 @@ class ClipSearch {
   static constexpr float hopeless = 1.2f, hopeless_repaired = 1.07f;
   static constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
 
+  /// The first training of a cut.
+  Trial first_trial(SparseSettings cut, const SearchPlan& plan, std::size_t limit) {
+    cut.step_exponent = first_exponent(clip_.clip.times.size());
+    cut.rate = usual_rate;
+    cut.iterations = plan.first_iterations;
+    return offer(cut, nullptr, limit);
+  }
+
   Trial best_cut(const SearchPlan& plan) {
     Trial best;
-    for (SparseSettings& settings : cuts_of(prepared_, effort_)) {
-      settings.step_exponent = clip_.clip.times.size() > 120 ? -3 : 1;
-      settings.rate = usual_rate;
-      settings.iterations = plan.first_iterations;
-      Trial trial = offer(settings, nullptr);
+    for (const SparseSettings& cut : cuts_of(prepared_, effort_, threads_)) {
+      Trial trial = first_trial(cut, plan, best_bytes_);
+      if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
+    }
+    return best;
+  }
+
+  /// The best of what is found from each cut.
+  Trial best_of_descents(const SearchPlan& plan) {
+    Trial best;
+    for (const SparseSettings& cut : cuts_of(prepared_, effort_, threads_)) {
+      Trial trial = first_trial(cut, plan, unlimited);
+      if (trial.kept) descend(trial, plan);
       if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
     }
     return best;
@@ -156,7 +173,7 @@ class ClipSearch {
     settings.step_exponent += exponent;
     settings.rate *= rate;
     settings.iterations = iterations;
-    return offer(settings, &current.state);
+    return offer(settings, &current.state, current.kept ? current.bytes : best_bytes_);
   }
 
   /// Finer steps until the bound is kept; at last without training and without jumps.
@@ -168,7 +185,7 @@ class ClipSearch {
     plain.jumps = false;
     plain.rate = usual_rate / 4;  // of the trainings that go on from here
     for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4)
-      trial = offer(plain, nullptr);
+      trial = offer(plain, nullptr, best_bytes_);
     return trial;
   }
 
@@ -210,9 +227,9 @@ class ClipSearch {
     return trained;
   }
 
-  /// Trains, corrects, and keeps the result if it is the smallest.
-  Trial offer(SparseSettings settings, const TrainingState* start) {
-    Trial trial{settings, {}, std::numeric_limits<std::size_t>::max(), false};
+  /// Trains and corrects what may get below `limit` bytes, and keeps the result if it is the smallest.
+  Trial offer(SparseSettings settings, const TrainingState* start, std::size_t limit) {
+    Trial trial{settings, {}, unlimited, false};
     if (context_.is_late()) {
       if (best_) return trial;
       settings.iterations = 0;
@@ -222,11 +239,11 @@ class ClipSearch {
     LevelClip& levels = trained.levels;
     trial.bytes = bytes_of(levels);
     record(settings, levels, trial.bytes, false);
-    if (trial.bytes >= best_bytes_) return trial;
+    if (trial.bytes >= limit) return trial;
     // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
     const std::size_t room =
         levels.atoms.size() + 20 +
-        std::min(trial.bytes, best_ ? best_bytes_ - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
+        std::min(trial.bytes, limit < unlimited ? limit - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
     if (settings.iterations > 0 && context_.parts.refinement) {
       if (usual_error(levels) > hopeless) return trial;
       repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance * 0.99,
@@ -236,7 +253,7 @@ class ClipSearch {
     trial.kept = bring_within_bound(levels, room);
     const std::size_t was = bytes_of(levels);
     if (trial.kept && context_.parts.refinement &&
-        static_cast<double>(was) < worth_pruning * static_cast<double>(best_bytes_)) {
+        static_cast<double>(was) < worth_pruning * static_cast<double>(limit)) {
       LevelClip pruned = levels;
       prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
             threads_);
@@ -409,7 +426,7 @@ class ClipSearch {
   int threads_;
   MotionMap map_;
   std::optional<LevelClip> best_;
-  std::size_t best_bytes_ = std::numeric_limits<std::size_t>::max();
+  std::size_t best_bytes_ = unlimited;
 };
 
 /// Whether the last pose is the first one again, as motion::ErrorReport means it.
@@ -452,9 +469,9 @@ LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared
                       std::vector<Candidate>* tried) {
   // Longer trainings end elsewhere, not always at fewer bytes: high efforts have what the lower ones find as well.
   LevelClip found;
-  std::size_t least = std::numeric_limits<std::size_t>::max();
+  std::size_t least = unlimited;
   for (const int effort : efforts_of(context.effort)) {
-    if (least != std::numeric_limits<std::size_t>::max() && context.is_late()) break;
+    if (least != unlimited && context.is_late()) break;
     ClipSearch search(context, effort, prepared, index, tried);
     LevelClip levels = search.run();
     if (!found.times.empty() && search.bytes() >= least) continue;

@@ -110,25 +110,21 @@ class Trainer {
 
   bool single_anchor() const { return settings_.basis == Basis::cosine; }
 
+  /// The poses of the motion itself: trained ones cost more bytes than they save.
   void start_anchors() {
-    if (input_.start) {
-      anchors_.start(input_.start->anchors);
-      return;
-    }
     const std::size_t rows = single_anchor() ? 1 : settings_.boundaries.size();
-    Matrix anchors(parameters_, static_cast<Eigen::Index>(rows));
+    anchors_.resize(parameters_, static_cast<Eigen::Index>(rows));
     for (std::size_t r = 0; r < rows; ++r) {
       const auto column = static_cast<Eigen::Index>(r);
       if (single_anchor())
-        anchors.col(column) = truth_.rowwise().mean();
+        anchors_.col(column) = truth_.rowwise().mean();
       else if (settings_.basis == Basis::periodic)
-        anchors.col(column) = periodic_anchor(column);
+        anchors_.col(column) = periodic_anchor(column);
       else
-        anchors.col(column) = truth_.col(std::min(static_cast<Eigen::Index>(settings_.boundaries[r]), samples_ - 1));
+        anchors_.col(column) = truth_.col(std::min(static_cast<Eigen::Index>(settings_.boundaries[r]), samples_ - 1));
     }
-    anchors.array().colwise() /= anchor_step_.array();
-    if (settings_.loops) anchors.rightCols(1) = end_sign_.cwiseProduct(anchors.leftCols(1)) + closing_levels();
-    anchors_.start(std::move(anchors));
+    anchors_ = rounded(anchor_step_.cwiseInverse().asDiagonal() * anchors_);
+    if (settings_.loops) anchors_.rightCols(1) = end_sign_.cwiseProduct(anchors_.leftCols(1)) + closing_levels();
   }
 
   /// How far the last pose of a loop is from the first: nothing, mostly.
@@ -193,7 +189,7 @@ class Trainer {
   }
 
   TrainingState state() const {
-    TrainingState state{settings_.step_exponent, anchors_.level, {}};
+    TrainingState state{settings_.step_exponent, {}};
     for (const Window& window : windows_) state.weights.push_back(window.weights.level);
     return state;
   }
@@ -202,8 +198,8 @@ class Trainer {
     const auto first = static_cast<Eigen::Index>(single_anchor() ? 0 : w);
     const auto second = single_anchor() ? 0 : first + 1;
     Matrix ends(parameters_, 2);
-    ends.col(0) = anchors_.level.col(first).array().round() * anchor_step_.array();
-    ends.col(1) = anchors_.level.col(second).array().round() * anchor_step_.array();
+    ends.col(0) = anchors_.col(first).cwiseProduct(anchor_step_);
+    ends.col(1) = anchors_.col(second).cwiseProduct(anchor_step_);
     return ends * window.shares;
   }
 
@@ -220,31 +216,11 @@ class Trainer {
   }
 
   void backward(const Eigen::Ref<const Curves>& gradient, float rate_weight) {
-    anchors_.gradient.setZero();
-    for (std::size_t w = 0; w < windows_.size(); ++w) {
-      Window& window = windows_[w];
-      const auto part = gradient.middleCols(window.first, window.samples);
-      const auto first = static_cast<Eigen::Index>(single_anchor() ? 0 : w);
-      const Matrix ends = part * window.shares.transpose();
-      anchors_.gradient.col(first) += ends.col(0);
-      if (!single_anchor()) anchors_.gradient.col(first + 1) += ends.col(1);
+    for (Window& window : windows_) {
       if (window.features.rows() == 0) continue;
+      const auto part = gradient.middleCols(window.first, window.samples);
       window.weights.gradient.noalias() = window.step.asDiagonal() * part * window.features.transpose();
       window.weights.gradient.array() += rate_weight * window.price.array() * rate_slope(window.weights.level.array());
-    }
-    anchors_.gradient.array().colwise() *= anchor_step_.array();
-    // An anchor costs the bits of its difference to the one before.
-    for (Eigen::Index r = 1; r < anchors_.level.cols(); ++r) {
-      const Eigen::ArrayXf slope =
-          rate_weight * rate_slope(anchors_.level.col(r).array() - anchors_.level.col(r - 1).array());
-      anchors_.gradient.col(r).array() += slope;
-      anchors_.gradient.col(r - 1).array() -= slope;
-    }
-    if (settings_.loops) {
-      const Eigen::VectorXf both =
-          anchors_.gradient.leftCols(1) + end_sign_.cwiseProduct(anchors_.gradient.rightCols(1));
-      anchors_.gradient.leftCols(1) = both;
-      anchors_.gradient.rightCols(1) = end_sign_.cwiseProduct(both);
     }
   }
 
@@ -287,7 +263,6 @@ class Trainer {
                   c2 = static_cast<float>(1 / (1 - std::pow(0.99, it + 1)));
       for (Window& window : windows_)
         if (window.features.rows() > 0) window.weights.step(0.15f * speed, c1, c2);
-      anchors_.step(0.3f * speed, c1, c2);
     }
   }
 
@@ -330,13 +305,13 @@ class Trainer {
     clip.basis = settings_.basis;
     clip.step_exponent = settings_.step_exponent;
     const auto all = layout_.values.rows();
-    clip.anchors.resize(static_cast<std::size_t>(all * anchors_.level.cols()));
-    for (Eigen::Index r = 0; r < anchors_.level.cols(); ++r) {
+    clip.anchors.resize(static_cast<std::size_t>(all * anchors_.cols()));
+    for (Eigen::Index r = 0; r < anchors_.cols(); ++r) {
       std::int32_t* row = clip.anchors.data() + r * all;
       for (Eigen::Index i = 0; i < all; ++i)
         if (!layout_.parameters[static_cast<std::size_t>(i)].moves) row[i] = fixed_level(layout_, steps_, i);
       for (Eigen::Index i = 0; i < parameters_; ++i)
-        row[parameter(i)] = static_cast<std::int32_t>(std::lround(anchors_.level(i, r)));
+        row[parameter(i)] = static_cast<std::int32_t>(anchors_(i, r));
     }
     for (const Window& window : windows_) {
       LevelWindow made{static_cast<std::uint32_t>(window.first), window.length, {}};
@@ -369,7 +344,7 @@ class Trainer {
   Eigen::VectorXf end_sign_;  ///< of a loop (end_signs)
   Eigen::MatrixXd given_;     ///< by atoms and a network: all parameters x samples; empty where there are none
   Curves truth_;              ///< without what is given
-  Trained anchors_;
+  Matrix anchors_;            ///< in whole steps: parameters x anchor rows
   std::vector<Window> windows_;
   Rows delta_, gradient_;
 };

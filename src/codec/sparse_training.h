@@ -30,10 +30,9 @@ struct SparseSettings {
   bool jumps = false;    ///< the given atoms are in use
 };
 
-/// Levels before rounding: where a training ended and another may start.
+/// Weights before rounding: where a training ended and another may start.
 struct TrainingState {
   int step_exponent = 0;
-  Eigen::MatrixXf anchors;               ///< moving parameters x anchor rows
   std::vector<Eigen::MatrixXf> weights;  ///< per window: moving parameters x features
 };
 

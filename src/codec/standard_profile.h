@@ -15,7 +15,7 @@ namespace nmc::codec {
 class StandardEncoder {
  public:
   /// How exactly anchors and atoms are written: steps 2^(-n / 4) of what one tolerance is worth.
-  static constexpr int usual_precision = 10;
+  static constexpr int usual_precision = 9;
   static constexpr int finest_precision = 30;
 
   /// Precision for first and last poses that are to be exact.
