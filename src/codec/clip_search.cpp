@@ -57,7 +57,7 @@ std::vector<int> efforts_of(int effort) {
 int first_exponent(std::size_t samples) { return samples > 120 ? -3 : 1; }
 
 /// Bases and windows worth trying for a clip. Most clips with jumps are smaller when these are taken out first.
-std::vector<SparseSettings> cuts_of(const PreparedClip& clip, int effort, int threads) {
+std::vector<SparseSettings> cuts_of(const SearchContext& context, const PreparedClip& clip, int effort, int threads) {
   std::vector<SparseSettings> cuts;
   const auto samples = static_cast<std::size_t>(clip.layout.values.cols());
   const bool loops = clip.loops, jumps = !clip.jumps.empty();
@@ -69,10 +69,12 @@ std::vector<SparseSettings> cuts_of(const PreparedClip& clip, int effort, int th
     const Basis basis = loops && spins ? Basis::sine : Basis::periodic;
     cuts.push_back({.basis = basis, .boundaries = {0, whole - 1}});
   }
-  if (samples >= 8)
+  if (samples >= 8 && context.parts.fitted_windows)
     cuts.push_back(
         {.basis = Basis::sine,
          .boundaries = fitted_windows(clip.layout, clip.steps, clip.jumps, first_exponent(samples), threads)});
+  else if (samples > 200)
+    cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(samples, 128)});
   for (SparseSettings& cut : cuts) {
     cut.loops = loops;
     cut.jumps = jumps;
@@ -150,7 +152,7 @@ class ClipSearch {
 
   Trial best_cut(const SearchPlan& plan) {
     Trial best;
-    for (const SparseSettings& cut : cuts_of(prepared_, effort_, threads_)) {
+    for (const SparseSettings& cut : cuts_of(context_, prepared_, effort_, threads_)) {
       Trial trial = first_trial(cut, plan, best_bytes_);
       if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
     }
@@ -160,7 +162,7 @@ class ClipSearch {
   /// The best of what is found from each cut.
   Trial best_of_descents(const SearchPlan& plan) {
     Trial best;
-    for (const SparseSettings& cut : cuts_of(prepared_, effort_, threads_)) {
+    for (const SparseSettings& cut : cuts_of(context_, prepared_, effort_, threads_)) {
       Trial trial = first_trial(cut, plan, unlimited);
       if (trial.kept) descend(trial, plan);
       if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);

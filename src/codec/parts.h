@@ -9,6 +9,7 @@ struct Parts {
   bool quantisation_aware = true;  ///< rounding and the rate in training; without: the transform, rounded
   bool refinement = true;          ///< single levels are repaired and pruned after training
   bool corrections = true;         ///< atoms
+  bool fitted_windows = true;      ///< windows follow the motion; without: even ones, of long clips alone
 };
 
 }  // namespace nmc::codec

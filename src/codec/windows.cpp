@@ -122,6 +122,14 @@ Eigen::ArrayXXf bits_of(const WindowCosts& costs, const std::vector<Eigen::Index
 
 }  // namespace
 
+std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length) {
+  const std::size_t last = samples - 1;
+  const std::size_t windows = std::max<std::size_t>(1, (last + length / 2) / length);
+  std::vector<std::uint32_t> boundaries;
+  for (std::size_t k = 0; k <= windows; ++k) boundaries.push_back(static_cast<std::uint32_t>(k * last / windows));
+  return boundaries;
+}
+
 std::vector<std::uint32_t> fitted_windows(const ClipLayout& layout, const ParameterSteps& steps,
                                           const std::vector<LevelAtom>& jumps, int step_exponent, int threads) {
   constexpr Eigen::Index usual_places = 100, coarsest_grid = 4, longest_window = 128, most_places = 64;

@@ -20,6 +20,7 @@ std::string method_name(const codec::CompressOptions& options) {
   if (!parts.quantisation_aware) return "without training";
   if (!parts.refinement) return "without repair and pruning";
   if (!parts.corrections) return "without corrections";
+  if (!parts.fitted_windows) return "with even windows";
   if (options.contact_weight == 1) return "contact weight 1, not 3";
   return default_method(options.effort);
 }
@@ -78,13 +79,14 @@ Measurement measure_codec(const std::filesystem::path& path, const codec::Compre
 }
 
 std::vector<codec::CompressOptions> ablations(const codec::CompressOptions& options) {
-  std::vector<codec::CompressOptions> all(6, options);
+  std::vector<codec::CompressOptions> all(7, options);
   all[0].parts.kinematics = false;
   all[1].parts.rising_norm = false;
   all[2].parts.quantisation_aware = false;
   all[3].parts.refinement = false;
   all[4].parts.corrections = false;
-  all[5].contact_weight = 1;
+  all[5].parts.fitted_windows = false;
+  all[6].contact_weight = 1;
   return all;
 }
 

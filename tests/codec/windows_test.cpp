@@ -71,6 +71,12 @@ TEST(Windows, CoverClipsOfAnyLengthInOrder) {
   }
 }
 
+TEST(Windows, OfAboutOneLengthAreEven) {
+  EXPECT_EQ(even_windows(257, 128), (Boundaries{0, 128, 256}));
+  EXPECT_EQ(even_windows(10, 128), (Boundaries{0, 9}));
+  EXPECT_EQ(even_windows(101, 30), (Boundaries{0, 33, 66, 100}));
+}
+
 TEST(Windows, OfAClipThatHoldsStillAreFew) {
   Joint joint(65, [](double) { return 1.0; });
   EXPECT_LE(joint.windows().size(), 3u);
