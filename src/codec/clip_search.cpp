@@ -53,8 +53,8 @@ std::vector<int> efforts_of(int effort) {
   return efforts;
 }
 
-/// Where the search for steps begins.
-int first_exponent(std::size_t samples) { return samples > 120 ? -3 : 1; }
+/// Longer clips are smallest with coarser steps.
+constexpr std::size_t short_samples = 120;
 
 /// Bases and windows worth trying for a clip. Most clips with jumps are smaller when these are taken out first.
 std::vector<SparseSettings> cuts_of(const SearchContext& context, const PreparedClip& clip, int effort, int threads) {
@@ -72,7 +72,7 @@ std::vector<SparseSettings> cuts_of(const SearchContext& context, const Prepared
   if (samples >= 8 && context.parts.fitted_windows)
     cuts.push_back(
         {.basis = Basis::sine,
-         .boundaries = fitted_windows(clip.layout, clip.steps, clip.jumps, first_exponent(samples), threads)});
+         .boundaries = fitted_windows(clip.layout, clip.steps, clip.jumps, samples > short_samples ? -6 : 1, threads)});
   else if (samples > 200)
     cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(samples, 128)});
   for (SparseSettings& cut : cuts) {
@@ -144,7 +144,7 @@ class ClipSearch {
 
   /// The first training of a cut.
   Trial first_trial(SparseSettings cut, const SearchPlan& plan, std::size_t limit) {
-    cut.step_exponent = first_exponent(clip_.clip.times.size());
+    cut.step_exponent = clip_.clip.times.size() > short_samples ? -3 : 1;
     cut.rate = usual_rate;
     cut.iterations = plan.first_iterations;
     return offer(cut, nullptr, limit);
@@ -181,7 +181,7 @@ class ClipSearch {
   /// Finer steps until the bound is kept; at last without training and without jumps.
   Trial first_within_bound(const Trial& coarse, const SearchPlan& plan) {
     Trial trial = coarse;
-    for (int k = 0; k < 2 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.iterations);
+    for (int k = 0; k < 4 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.iterations);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;

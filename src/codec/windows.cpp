@@ -132,7 +132,7 @@ std::vector<std::uint32_t> even_windows(std::size_t samples, std::size_t length)
 
 std::vector<std::uint32_t> fitted_windows(const ClipLayout& layout, const ParameterSteps& steps,
                                           const std::vector<LevelAtom>& jumps, int step_exponent, int threads) {
-  constexpr Eigen::Index usual_places = 100, coarsest_grid = 4, longest_window = 128, most_places = 64;
+  constexpr Eigen::Index usual_places = 100, coarsest_grid = 4, longest_window = 256, most_places = 64;
   const Eigen::Index last = layout.values.cols() - 1;
   const Eigen::Index grid = std::clamp<Eigen::Index>(last / usual_places, 1, coarsest_grid);
   const std::vector<Eigen::Index> places = places_of(last, grid);
