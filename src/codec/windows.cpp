@@ -17,16 +17,18 @@ constexpr float log2_e = 1.442695041f;
 
 /// Moving parameters in slot steps, the jumps taken back.
 Curves smooth_curves(const ClipLayout& layout, const ParameterSteps& steps, const std::vector<LevelAtom>& jumps) {
-  Eigen::MatrixXd values = layout.values;
-  for (const LevelAtom& atom : jumps) {
-    const auto sample = static_cast<Eigen::Index>(atom.sample);
-    const Eigen::Index count = atom.width == LevelAtom::jump_width ? values.cols() - sample : 1;
-    values.row(atom.parameter).segment(sample, count).array() -= atom.level * steps.anchor(atom.parameter);
-  }
-  Curves curves(static_cast<Eigen::Index>(layout.moving.size()), values.cols());
+  const Eigen::Index samples = layout.values.cols();
+  Curves curves(static_cast<Eigen::Index>(layout.moving.size()), samples);
   for (Eigen::Index i = 0; i < curves.rows(); ++i) {
     const Eigen::Index parameter = layout.moving[static_cast<std::size_t>(i)];
-    curves.row(i) = (values.row(parameter) / steps.slot(parameter)).cast<float>();
+    Eigen::RowVectorXd row = layout.values.row(parameter);
+    for (const LevelAtom& jump : jumps) {
+      if (jump.parameter != parameter) continue;
+      const auto sample = static_cast<Eigen::Index>(jump.sample);
+      const Eigen::Index count = jump.width == LevelAtom::jump_width ? samples - sample : 1;
+      row.segment(sample, count).array() -= jump.level * steps.anchor(parameter);
+    }
+    curves.row(i) = (row / steps.slot(parameter)).cast<float>();
   }
   return curves;
 }
