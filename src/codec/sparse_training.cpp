@@ -310,8 +310,7 @@ class Trainer {
       std::int32_t* row = clip.anchors.data() + r * all;
       for (Eigen::Index i = 0; i < all; ++i)
         if (!layout_.parameters[static_cast<std::size_t>(i)].moves) row[i] = fixed_level(layout_, steps_, i);
-      for (Eigen::Index i = 0; i < parameters_; ++i)
-        row[parameter(i)] = static_cast<std::int32_t>(anchors_(i, r));
+      for (Eigen::Index i = 0; i < parameters_; ++i) row[parameter(i)] = static_cast<std::int32_t>(anchors_(i, r));
     }
     for (const Window& window : windows_) {
       LevelWindow made{static_cast<std::uint32_t>(window.first), window.length, {}};
