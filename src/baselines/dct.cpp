@@ -17,7 +17,9 @@ namespace {
 using namespace nmc::codec;
 
 constexpr int coarsest = -24, finest = 40;  // step exponents, quarters of an octave
-constexpr int look_back = 3;                // coarser exponents tried below the bisection's result
+/// Of anchors, as StandardEncoder::usual_precision: what this method is smallest with.
+constexpr int usual_precision = 10;
+constexpr int look_back = 3;  // coarser exponents tried below the bisection's result
 
 /// Finds one clip's levels.
 class ClipTransform {
@@ -137,7 +139,7 @@ std::vector<EncodedSet> encode_dct(const Source& source, int threads) {
   std::vector<EncodedSet> sets;
   std::vector<std::size_t> left(source.clips.size());
   std::iota(left.begin(), left.end(), std::size_t{0});
-  for (const int precision : {StandardEncoder::usual_precision, StandardEncoder::finest_precision}) {
+  for (const int precision : {usual_precision, StandardEncoder::finest_precision}) {
     if (left.empty()) break;
     const TransformedSet set = transform(source, meter, left, precision, threads);
     if (!set.clips.empty()) sets.push_back(to_encoded(set));
