@@ -17,7 +17,7 @@ namespace {
 using namespace nmc::codec;
 
 constexpr int coarsest = -24, finest = 40;  // step exponents, quarters of an octave
-/// Of anchors, as StandardEncoder::usual_precision: what this method is smallest with.
+/// Of anchors, in the units of StandardEncoder::usual_precision.
 constexpr int usual_precision = 10;
 constexpr int look_back = 3;  // coarser exponents tried below the bisection's result
 

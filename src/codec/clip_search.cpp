@@ -114,9 +114,11 @@ class ClipSearch {
 
   LevelClip run() {
     const SearchPlan plan = plan_of(effort_, clip_.clip.times.size());
-    Trial current = effort_ > 5 ? best_of_descents(plan) : best_cut(plan);
+    const bool from_each_cut = effort_ > 5;
+    Trial current = best_cut(plan, from_each_cut);
+    const bool searched = from_each_cut && current.kept;
     if (!current.kept) current = first_within_bound(current, plan);
-    if (current.kept && effort_ <= 5) descend(current, plan);
+    if (current.kept && !searched) descend(current, plan);
     if (plan.last_iterations > 0 && current.kept) {
       SparseSettings last = current.settings;
       last.iterations = plan.last_iterations;
@@ -142,29 +144,15 @@ class ClipSearch {
   static constexpr float hopeless = 1.2f, hopeless_repaired = 1.07f;
   static constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
 
-  /// The first training of a cut.
-  Trial first_trial(SparseSettings cut, const SearchPlan& plan, std::size_t limit) {
-    cut.step_exponent = clip_.clip.times.size() > short_samples ? -3 : 1;
-    cut.rate = usual_rate;
-    cut.iterations = plan.first_iterations;
-    return offer(cut, nullptr, limit);
-  }
-
-  Trial best_cut(const SearchPlan& plan) {
+  /// The best of the first trainings of all cuts, or of what is found from each of them.
+  Trial best_cut(const SearchPlan& plan, bool from_each_cut) {
     Trial best;
-    for (const SparseSettings& cut : cuts_of(context_, prepared_, effort_, threads_)) {
-      Trial trial = first_trial(cut, plan, best_bytes_);
-      if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
-    }
-    return best;
-  }
-
-  /// The best of what is found from each cut.
-  Trial best_of_descents(const SearchPlan& plan) {
-    Trial best;
-    for (const SparseSettings& cut : cuts_of(context_, prepared_, effort_, threads_)) {
-      Trial trial = first_trial(cut, plan, unlimited);
-      if (trial.kept) descend(trial, plan);
+    for (SparseSettings& settings : cuts_of(context_, prepared_, effort_, threads_)) {
+      settings.step_exponent = clip_.clip.times.size() > short_samples ? -3 : 1;
+      settings.rate = usual_rate;
+      settings.iterations = plan.first_iterations;
+      Trial trial = offer(settings, nullptr, from_each_cut ? unlimited : best_bytes_);
+      if (from_each_cut && trial.kept) descend(trial, plan);
       if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
     }
     return best;

@@ -79,9 +79,9 @@ class WindowCosts {
   /// The orthonormal sines of a window at its inner samples: samples x features.
   static Eigen::MatrixXf sines_of(Eigen::Index length) {
     if (length < 2) return {};
-    const Eigen::MatrixXd features =
-        window_features(Basis::sine, static_cast<std::uint32_t>(length), length - 1, length);
-    return (features.rightCols(length - 1).transpose() * std::sqrt(2.0 / static_cast<double>(length))).cast<float>();
+    const auto window = static_cast<std::uint32_t>(length);
+    const Eigen::MatrixXd features = window_features(Basis::sine, window, length - 1, length);
+    return (features.rightCols(length - 1).transpose() * weight_scale(0, window)).cast<float>();
   }
 
  private:
