@@ -24,27 +24,6 @@ std::vector<LevelAtom> joined(const Lists& lists) {
   return all;
 }
 
-/// The lists that lower the excess most, one after the other; nothing where a few do not bring it to 0.
-std::optional<std::vector<LevelAtom>> few_atoms(const Lists& lists,
-                                                const std::function<double(const std::vector<LevelAtom>&)>& excess) {
-  constexpr int most = 5;
-  std::vector<LevelAtom> chosen;
-  double now = excess(chosen);
-  for (int k = 0; k < most && now > 0; ++k) {
-    std::vector<LevelAtom> best;
-    for (const std::vector<LevelAtom>& list : lists) {
-      std::vector<LevelAtom> with = joined({chosen, list});
-      if (const double then = excess(with); then < now) {
-        now = then;
-        best = std::move(with);
-      }
-    }
-    if (best.empty()) return {};
-    chosen = std::move(best);
-  }
-  return now > 0 ? std::nullopt : std::optional(chosen);
-}
-
 /// A jump of `height` within its window: what the line between the anchors does not have.
 void add_jump_values(const LevelAtom& jump, const LevelClip& clip, double height, Eigen::MatrixXd& values) {
   const auto after = std::lower_bound(clip.windows.begin(), clip.windows.end(), jump.sample,
@@ -106,6 +85,26 @@ std::vector<std::vector<LevelAtom>> missing_by_target(const ClipLayout& layout, 
     if (!atoms.empty()) lists.push_back(std::move(atoms));
   }
   return lists;
+}
+
+std::optional<std::vector<LevelAtom>> few_atoms(const std::vector<std::vector<LevelAtom>>& lists,
+                                                const std::function<double(const std::vector<LevelAtom>&)>& excess) {
+  constexpr int most = 5;
+  std::vector<LevelAtom> chosen;
+  double now = excess(chosen);
+  for (int k = 0; k < most && now > 0; ++k) {
+    std::vector<LevelAtom> best;
+    for (const std::vector<LevelAtom>& list : lists) {
+      std::vector<LevelAtom> with = joined({chosen, list});
+      if (const double then = excess(with); then < now) {
+        now = then;
+        best = std::move(with);
+      }
+    }
+    if (best.empty()) return {};
+    chosen = std::move(best);
+  }
+  return now > 0 ? std::nullopt : std::optional(chosen);
 }
 
 std::vector<LevelAtom> needed_atoms(std::vector<std::vector<LevelAtom>> lists,

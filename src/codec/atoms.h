@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "codec/clip_layout.h"
@@ -26,6 +27,11 @@ void add_atom_values(const LevelAtom& atom, const LevelClip& clip, const Paramet
 std::vector<std::vector<LevelAtom>> missing_by_target(const ClipLayout& layout, const ParameterSteps& steps,
                                                       Eigen::Index first, Eigen::Index count,
                                                       const Eigen::MatrixXd& values);
+
+/// The lists of atoms that lower `excess` (of atoms; not negative) most, one after the other, joined; nothing where a
+/// few do not bring it to 0.
+std::optional<std::vector<LevelAtom>> few_atoms(const std::vector<std::vector<LevelAtom>>& lists,
+                                                const std::function<double(const std::vector<LevelAtom>&)>& excess);
 
 /// Of some lists of atoms few that bring `excess` (of atoms; not negative) to 0: one after the other as long as each
 /// lowers it, or, where a few are not enough, all but those that can be left out, the dearest first. All where all are

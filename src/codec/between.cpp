@@ -17,6 +17,22 @@ double error_between(const BetweenInput& input, Eigen::Index n, double seconds, 
                               with_kept(input.clip, clip_of_parameters(two, input.frame, input.layout, pair)), seconds);
 }
 
+/// Small steps of single parameters at samples n - 1 and n, of the rotations that turn far between them.
+std::vector<std::vector<LevelAtom>> small_steps(const ClipLayout& layout, Eigen::Index n) {
+  constexpr double far = 0.5;  // of a quaternion's numbers or of a rotation vector
+  std::vector<std::vector<LevelAtom>> steps;
+  for (const LayoutBlock& block : layout.blocks) {
+    if (block.first_moving < 0) continue;
+    const auto turn = layout.values.middleRows(block.block.first, block.block.width);
+    if ((turn.col(n) - turn.col(n - 1)).norm() < far) continue;
+    for (const Eigen::Index sample : {n - 1, n})
+      for (int i = 0; i < block.block.width; ++i)
+        for (const std::int32_t level : {1, -1, 2, -2, 4, -4})
+          steps.push_back({{static_cast<std::uint32_t>(sample), block.block.first + i, 0, level}});
+  }
+  return steps;
+}
+
 }  // namespace
 
 void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
@@ -28,10 +44,15 @@ void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, dou
           atom.level * input.steps.anchor(atom.parameter);
     return std::max(0.0, error_between(input, n, seconds, pair) - bound);
   };
-  for (const LevelAtom& atom : needed_atoms(missing_by_target(input.layout, input.steps, n - 1, 2, values), excess)) {
-    put_atom(atom, levels.atoms);
-    add_atom_values(atom, levels, input.steps, values);
-  }
+  const auto put = [&](const std::vector<LevelAtom>& atoms) {
+    for (const LevelAtom& atom : atoms) {
+      put_atom(atom, levels.atoms);
+      add_atom_values(atom, levels, input.steps, values);
+    }
+  };
+  put(needed_atoms(missing_by_target(input.layout, input.steps, n - 1, 2, values), excess));
+  // Within rounding of half a turn even the true values, rounded, may go the other way.
+  if (excess({}) > 0) put(few_atoms(small_steps(input.layout, n), excess).value_or(std::vector<LevelAtom>{}));
 }
 
 }  // namespace nmc::codec

@@ -22,7 +22,7 @@ struct BetweenInput {
 };
 
 /// Brings to their true values at samples n - 1 and n as few targets as are needed for the error at `seconds` between
-/// them to be within `bound` (world units). `values` (all parameters x samples) are those of the levels, and follow
+/// them to be within `bound` (world units); where rounding stands in the way, goes a few steps from them. `values` (all parameters x samples) are those of the levels, and follow
 /// them.
 void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
                   LevelClip& levels);

@@ -169,7 +169,7 @@ class ClipSearch {
   /// Finer steps until the bound is kept; at last without training and without jumps.
   Trial first_within_bound(const Trial& coarse, const SearchPlan& plan) {
     Trial trial = coarse;
-    for (int k = 0; k < 4 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.iterations);
+    for (int k = 0; k < 4 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.first_iterations);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;

@@ -69,13 +69,19 @@ class Trainer {
     anchor_step_.resize(parameters_);
     slot_step_.resize(parameters_);
     end_sign_.resize(parameters_);
+    shell_reach_.resize(parameters_);
     const Eigen::VectorXd signs = end_signs(layout_);
     for (Eigen::Index i = 0; i < parameters_; ++i) {
       truth_.row(i) = layout_.values.row(parameter(i)).cast<float>();
       anchor_step_(i) = static_cast<float>(steps_.anchor(parameter(i)));
       slot_step_(i) = static_cast<float>(steps_.slot(parameter(i)));
       end_sign_(i) = static_cast<float>(signs(parameter(i)));
+      shell_reach_(i) = static_cast<float>(shell_share * input.tolerance) / slot_step_(i);
     }
+    for (const LayoutBlock& block : layout_.blocks)
+      if (block.state == State::quaternion)
+        shell_reach_.segment(block.first_moving, block.block.width)
+            .setConstant(static_cast<float>(input.tolerance / quaternion_error));
     take_given_out();
     start_anchors();
     start_windows();
@@ -291,13 +297,12 @@ class Trainer {
     return static_cast<double>(parameters_);
   }
 
-  /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little.
+  /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little; so has
+  /// the length of a quaternion, or bits could be saved by shrinking it until rounding turns it anywhere.
   void add_shell() {
     const auto unit = static_cast<float>(2.0 / (input_.tolerance * input_.tolerance));
-    for (Eigen::Index i = 0; i < parameters_; ++i) {
-      const auto reach = static_cast<float>(shell_share * input_.tolerance / slot_step_(i));
-      gradient_.row(i) += unit * reach * reach * delta_.row(i);
-    }
+    for (Eigen::Index i = 0; i < parameters_; ++i)
+      gradient_.row(i) += unit * shell_reach_(i) * shell_reach_(i) * delta_.row(i);
   }
 
   LevelClip result() const {
@@ -328,7 +333,7 @@ class Trainer {
   /// Gradients of poses that the linear map knows nothing about; what has been learned until then stands.
   static constexpr float senseless = 1e15f;
 
-  static constexpr double shell_share = 0.05;
+  static constexpr double shell_share = 0.05, quaternion_error = 0.05;
 
   static constexpr double continued = 0.35;
 
@@ -340,7 +345,8 @@ class Trainer {
   const SparseSettings& settings_;
   Eigen::Index parameters_, samples_;
   Eigen::VectorXf anchor_step_, slot_step_;
-  Eigen::VectorXf end_sign_;  ///< of a loop (end_signs)
+  Eigen::VectorXf end_sign_;     ///< of a loop (end_signs)
+  Eigen::VectorXf shell_reach_;  ///< how far the point of its own moves, world units a unit of the parameter
   Eigen::MatrixXd given_;     ///< by atoms and a network: all parameters x samples; empty where there are none
   Curves truth_;              ///< without what is given
   Matrix anchors_;            ///< in whole steps: parameters x anchor rows
