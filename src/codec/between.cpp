@@ -8,13 +8,16 @@
 namespace nmc::codec {
 namespace {
 
-/// The error at a time between two samples whose values are given (all parameters x 2).
-double error_between(const BetweenInput& input, Eigen::Index n, double seconds, const Eigen::MatrixXd& pair) {
+/// The largest error at a time between two samples, whose values are given (all parameters x 2), and at these two.
+double error_around(const BetweenInput& input, Eigen::Index n, double seconds, const Eigen::MatrixXd& pair) {
   const std::vector<float>& times = input.clip.clip.times;
   const auto at = static_cast<std::size_t>(n);
   const motion::Clip two{input.clip.clip.name, {times[at - 1], times[at]}, {}};
-  return input.meter.error_at(input.clip.original,
-                              with_kept(input.clip, clip_of_parameters(two, input.frame, input.layout, pair)), seconds);
+  const Animation made = with_kept(input.clip, clip_of_parameters(two, input.frame, input.layout, pair));
+  double largest = 0;
+  for (const double at_seconds : {static_cast<double>(two.times[0]), seconds, static_cast<double>(two.times[1])})
+    largest = std::max(largest, input.meter.error_at(input.clip.original, made, at_seconds));
+  return largest;
 }
 
 /// Small steps of single parameters at samples n - 1 and n, of the rotations that turn far between them.
@@ -35,14 +38,14 @@ std::vector<std::vector<LevelAtom>> small_steps(const ClipLayout& layout, Eigen:
 
 }  // namespace
 
-void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
+bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
                   LevelClip& levels) {
   const auto excess = [&](const std::vector<LevelAtom>& atoms) {
     Eigen::MatrixXd pair = values.middleCols(n - 1, 2);
     for (const LevelAtom& atom : atoms)
       pair(atom.parameter, static_cast<Eigen::Index>(atom.sample) - (n - 1)) +=
           atom.level * input.steps.anchor(atom.parameter);
-    return std::max(0.0, error_between(input, n, seconds, pair) - bound);
+    return std::max(0.0, error_around(input, n, seconds, pair) - bound);
   };
   const auto put = [&](const std::vector<LevelAtom>& atoms) {
     for (const LevelAtom& atom : atoms) {
@@ -51,8 +54,11 @@ void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, dou
     }
   };
   put(needed_atoms(missing_by_target(input.layout, input.steps, n - 1, 2, values), excess));
+  if (excess({}) <= 0) return true;
   // Within rounding of half a turn even the true values, rounded, may go the other way.
-  if (excess({}) > 0) put(few_atoms(small_steps(input.layout, n), excess).value_or(std::vector<LevelAtom>{}));
+  const std::optional<std::vector<LevelAtom>> tip = few_atoms(small_steps(input.layout, n), excess);
+  if (tip) put(*tip);
+  return tip.has_value();
 }
 
 }  // namespace nmc::codec

@@ -21,10 +21,11 @@ struct BetweenInput {
   const motion::ErrorMeter& meter;
 };
 
-/// Brings to their true values at samples n - 1 and n as few targets as are needed for the error at `seconds` between
-/// them to be within `bound` (world units); where rounding stands in the way, goes a few steps from them. `values` (all parameters x samples) are those of the levels, and follow
-/// them.
-void mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
+/// Brings to their true values at samples n - 1 and n as few targets as are needed for the errors there and at
+/// `seconds` between them to be within `bound` (world units); where rounding stands in the way, goes a few steps from
+/// them. `values` (all parameters x samples) are those of the levels, and follow them. False where an error is still
+/// above the bound.
+bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
                   LevelClip& levels);
 
 }  // namespace nmc::codec

@@ -287,12 +287,8 @@ class ClipSearch {
   /// Corrects; measures what the levels mean between the file's keys and at every vertex; where that is above the
   /// bound, corrects the samples around it further.
   bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
-    if (!context_.parts.corrections) {
-      const motion::ErrorProfile profile = error_profile(levels);
-      return *std::max_element(profile.max_error.begin(), profile.max_error.end()) <=
-             kept_share * context_.bound.tolerance;
-    }
-    constexpr int rounds = 8;
+    if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
+    constexpr int rounds = 8, few = 3;
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
     for (int round = 0; round < rounds; ++round) {
       if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
@@ -302,9 +298,12 @@ class ClipSearch {
         restore_ends(levels);
       else if (prepared_.loops && round < rounds / 2)  // better a seam than no end
         close_seam(levels);
-      const motion::ErrorProfile profile = error_profile(levels);
-      if (!tighten(profile, 1 + 0.1 * round, strictness)) return true;
-      mend_flips(profile, round < 3 ? 1.5 : 1, levels);
+      motion::ErrorProfile profile = error_profile(levels);
+      if (is_within_bound(profile)) return true;
+      mend_flips(profile, round < few ? 1.5 : 1, levels);
+      // What is corrected next may break what has just been mended.
+      if (round >= few && is_within_bound(error_profile(levels))) return true;
+      tighten(profile, 1 + 0.1 * round, strictness);
     }
     return false;
   }
@@ -373,9 +372,14 @@ class ClipSearch {
         threads_);
   }
 
+  bool is_within_bound(const motion::ErrorProfile& profile) const {
+    return *std::max_element(profile.max_error.begin(), profile.max_error.end()) <=
+           kept_share * context_.bound.tolerance;
+  }
+
   /// Where the error between two samples is `far` times the bound or more, what goes wrong there is set right on both
-  /// sides.
-  void mend_flips(const motion::ErrorProfile& profile, double far, LevelClip& levels) const {
+  /// sides; errors that are mended count as zero from then on.
+  void mend_flips(motion::ErrorProfile& profile, double far, LevelClip& levels) const {
     const std::vector<float>& times = clip_.clip.times;
     Eigen::MatrixXd values;
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
@@ -383,29 +387,27 @@ class ClipSearch {
       const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
       if (next == 0 || next == std::ssize(times)) continue;
       if (values.size() == 0) values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-      mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next, profile.seconds[k],
-                   aim * context_.bound.tolerance, values, levels);
+      if (mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next,
+                       profile.seconds[k], aim * context_.bound.tolerance, values, levels))
+        profile.max_error[k] = 0;
     }
     tidy_atoms(levels.atoms);
   }
 
-  /// Makes the samples next to each time above the bound stricter, by `least` or more. False where there is none.
-  bool tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
+  /// Makes the samples next to each time above the bound stricter, by `least` or more.
+  void tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
     constexpr double most = 1.5;  // at once
     const double bound = kept_share * context_.bound.tolerance, goal = aim * context_.bound.tolerance;
     const std::vector<float>& times = clip_.clip.times;
     SampleRow factor = SampleRow::Ones(strictness.size());
-    bool above = false;
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
       if (profile.max_error[k] <= bound) continue;
-      above = true;
       const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
       const auto worse = static_cast<float>(std::clamp(profile.max_error[k] / goal, least, std::max(least, most)));
       for (const std::ptrdiff_t n : {next - 1, next})
         if (n >= 0 && n < strictness.size()) factor(n) = std::max(factor(n), worse);
     }
     strictness *= factor;
-    return above;
   }
 
   const SearchContext& context_;

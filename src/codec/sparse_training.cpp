@@ -347,9 +347,9 @@ class Trainer {
   Eigen::VectorXf anchor_step_, slot_step_;
   Eigen::VectorXf end_sign_;     ///< of a loop (end_signs)
   Eigen::VectorXf shell_reach_;  ///< how far the point of its own moves, world units a unit of the parameter
-  Eigen::MatrixXd given_;     ///< by atoms and a network: all parameters x samples; empty where there are none
-  Curves truth_;              ///< without what is given
-  Matrix anchors_;            ///< in whole steps: parameters x anchor rows
+  Eigen::MatrixXd given_;        ///< by atoms and a network: all parameters x samples; empty where there are none
+  Curves truth_;                 ///< without what is given
+  Matrix anchors_;               ///< in whole steps: parameters x anchor rows
   std::vector<Window> windows_;
   Rows delta_, gradient_;
 };

@@ -42,6 +42,10 @@ float anchor_bits(const Eigen::VectorXf& levels) {
   return (0.5f * log2_e * (1 + levels.array().square()).log() + least).sum();
 }
 
+/// A window with more weights for each of its parameters takes long to play and learns worse than two of half its
+/// length. Those as short as `shortest` samples may have as many as they need.
+constexpr Eigen::Index most_weights = 10, shortest = 32;
+
 /// Lengths of windows that are tried, in places: from the shortest on, ever more sparsely.
 std::vector<Eigen::Index> lengths_up_to(Eigen::Index longest) {
   std::vector<Eigen::Index> lengths;
@@ -64,7 +68,8 @@ class WindowCosts {
     }
   }
 
-  /// Bits of a window's weights and of its second anchor; `sines` as sines_of(length).
+  /// Bits of a window's weights and of its second anchor; infinite where it has too many weights. `sines` as
+  /// sines_of(length).
   float of(Eigen::Index begin, Eigen::Index length, const Eigen::MatrixXf& sines) const {
     const Eigen::VectorXf change = curves_.col(begin + length) - curves_.col(begin);
     const float anchor = anchor_bits(change.cwiseProduct(anchor_levels_));
@@ -73,7 +78,10 @@ class WindowCosts {
     const Eigen::RowVectorXf line = Eigen::RowVectorXf::LinSpaced(length - 1, 1, inner) / static_cast<float>(length);
     Eigen::MatrixXf rest = curves_.middleCols(begin + 1, length - 1).colwise() - curves_.col(begin);
     rest.noalias() -= change * line;
-    return anchor + weight_bits(rest * sines * weight_levels_);
+    const Eigen::MatrixXf levels = rest * sines * weight_levels_;
+    if (length > shortest && (levels.array().abs() > 0.5f).count() > most_weights * levels.rows())
+      return std::numeric_limits<float>::infinity();
+    return anchor + weight_bits(levels);
   }
 
   /// The orthonormal sines of a window at its inner samples: samples x features.

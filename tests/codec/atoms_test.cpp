@@ -164,5 +164,28 @@ TEST(MendBetween, SetsRightTheJointThatTurnsTheOtherWay) {
   }
 }
 
+TEST(MendBetween, TipsAHalfTurnThatRoundingSendsTheOtherWay) {
+  Flipping flipping;
+  flipping.steps.anchor.setConstant(0.01);
+  const motion::ErrorMeter meter(flipping.skeleton, flipping.points);
+  Eigen::MatrixXd values = flipping.layout.values;
+  // Less than half a step too far: no whole step is missing.
+  values.col(2).head(3).array() += 0.004;
+  const auto error_at = [&](double seconds) {
+    return meter.error_at(
+        flipping.source.original,
+        with_kept(flipping.source, clip_of_parameters(flipping.source.clip, flipping.frame, flipping.layout, values)),
+        seconds);
+  };
+  ASSERT_GT(error_at(0.15), 1.0);
+  LevelClip levels;
+  const BetweenInput input{flipping.source, flipping.frame, flipping.layout, flipping.steps, meter};
+  EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, values, levels));
+  for (const double seconds : {0.1, 0.15, 0.2}) EXPECT_LT(error_at(seconds), 0.03);
+  EXPECT_EQ(levels.atoms.size(), 1u);
+  // A bound below what rounding leaves is out of reach, and is not said to be kept.
+  EXPECT_FALSE(mend_between(input, 2, 0.15, 1e-6, values, levels));
+}
+
 }  // namespace
 }  // namespace nmc::codec

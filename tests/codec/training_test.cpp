@@ -373,6 +373,40 @@ TEST(Training, BeatsTheTransformAtTheSameSteps) {
   EXPECT_LT(trained.levels.windows[0].weights.size(), plain.windows[0].weights.size());
 }
 
+TEST(Training, KeepsQuaternionsFromShrinking) {
+  // A joint that goes from one to another of four rotations, half a turn apart, every other sample.
+  constexpr std::size_t samples = 96, stay = 2;
+  Character character(samples);
+  std::mt19937 random(7);
+  motion::Track& track = character.clip.tracks[1];
+  for (std::size_t n = 0; n < samples; n += stay) {
+    const std::size_t axis = random() % 4;
+    for (std::size_t k = n; k < n + stay; ++k)
+      for (std::size_t a = 0; a < 4; ++a) track.values[4 * k + a] = a == axis ? 1.0f : 0.0f;
+  }
+  character.frame = mean_frame(character.skeleton, {&character.clip});
+  character.layout = layout_clip(character.clip, character.frame);
+  const LayoutBlock& turning = character.layout.blocks[1];
+  ASSERT_EQ(turning.state, State::quaternion);
+  const auto count = static_cast<Eigen::Index>(character.layout.parameters.size());
+  character.steps = {Eigen::VectorXd::Constant(count, 0.05), Eigen::VectorXd::Constant(count, 0.002)};
+  MotionMap map = character.map();
+  const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), character.samples()));
+  SparseSettings settings{.basis = Basis::cosine, .boundaries = {0, samples}};
+  settings.iterations = 150;
+  settings.rate = 1;
+  // Points may move by as much as about a radian makes them: the rate is free to take what it can.
+  const LevelClip levels = train_sparse({.layout = &character.layout,
+                                         .steps = &character.steps,
+                                         .offset = &offset,
+                                         .emphasis = nullptr,
+                                         .tolerance = 0.4},
+                                        map, settings)
+                               .levels;
+  const Eigen::MatrixXd values = values_of_levels(levels, character.steps, character.samples());
+  EXPECT_GT(values.middleRows(turning.block.first, 4).colwise().norm().minCoeff(), 0.7);
+}
+
 TEST(Corrections, BringEverySampleWithinItsBound) {
   Trained trained;
   const double bound = 0.5 * trained.largest(trained.levels);
