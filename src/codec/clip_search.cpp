@@ -31,12 +31,13 @@ struct SearchPlan {
   int iterations = 100;        ///< of each later one, which starts where the best one ended
   int trials = 8;              ///< later trainings
   int last_iterations = 0;     ///< of one more at the best settings
+  bool prunes = true;          ///< takes from what is within the bound what the bound can do without
 };
 
 /// Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
 SearchPlan plan_of(int effort, std::size_t samples) {
   const int fewer = static_cast<int>(std::clamp<std::size_t>(samples / 160, 1, 5));
-  if (effort <= 1) return {30, 20, 0, 0};
+  if (effort <= 1) return {30, 20, 0, 0, false};
   if (effort <= 2) return {60, 40, 3 / fewer, 0};
   if (effort <= 3) return {80, 60, 6 / fewer, 0};
   if (effort <= 5) return {100, 70, std::max(2, 7 / fewer), fewer > 2 ? 0 : 100};
@@ -108,20 +109,20 @@ class ClipSearch {
         tried_(tried),
         prepared_(prepared),
         clip_(context.source.clips[index]),
+        plan_(plan_of(effort, clip_.clip.times.size())),
         threads_(clip_.clip.times.size() < worth_threads ? 1 : context.threads),
         map_(context.source.skeleton, context.frame, prepared.layout, points_of(context.source, context.bound),
              prepared.coded) {}
 
   LevelClip run() {
-    const SearchPlan plan = plan_of(effort_, clip_.clip.times.size());
     const bool from_each_cut = effort_ > 5;
-    Trial current = best_cut(plan, from_each_cut);
+    Trial current = best_cut(from_each_cut);
     const bool searched = from_each_cut && current.kept;
-    if (!current.kept) current = first_within_bound(current, plan);
-    if (current.kept && !searched) descend(current, plan);
-    if (plan.last_iterations > 0 && current.kept) {
+    if (!current.kept) current = first_within_bound(current);
+    if (current.kept && !searched) descend(current);
+    if (plan_.last_iterations > 0 && current.kept) {
       SparseSettings last = current.settings;
-      last.iterations = plan.last_iterations;
+      last.iterations = plan_.last_iterations;
       offer(last, &current.state, best_bytes_);
     }
     if (best_) return *best_;
@@ -145,14 +146,14 @@ class ClipSearch {
   static constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
 
   /// The best of the first trainings of all cuts, or of what is found from each of them.
-  Trial best_cut(const SearchPlan& plan, bool from_each_cut) {
+  Trial best_cut(bool from_each_cut) {
     Trial best;
     for (SparseSettings& settings : cuts_of(context_, prepared_, effort_, threads_)) {
       settings.step_exponent = clip_.clip.times.size() > short_samples ? -3 : 1;
       settings.rate = usual_rate;
-      settings.iterations = plan.first_iterations;
+      settings.iterations = plan_.first_iterations;
       Trial trial = offer(settings, nullptr, from_each_cut ? unlimited : best_bytes_);
-      if (from_each_cut && trial.kept) descend(trial, plan);
+      if (from_each_cut && trial.kept) descend(trial);
       if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
     }
     return best;
@@ -167,9 +168,9 @@ class ClipSearch {
   }
 
   /// Finer steps until the bound is kept; at last without training and without jumps.
-  Trial first_within_bound(const Trial& coarse, const SearchPlan& plan) {
+  Trial first_within_bound(const Trial& coarse) {
     Trial trial = coarse;
-    for (int k = 0; k < 4 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan.first_iterations);
+    for (int k = 0; k < 4 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan_.first_iterations);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;
@@ -180,7 +181,7 @@ class ClipSearch {
   }
 
   /// Whichever neighbour is smaller, as long as there is one.
-  void descend(Trial& current, const SearchPlan& plan) {
+  void descend(Trial& current) {
     struct Move {
       int exponent;
       double rate;
@@ -188,9 +189,9 @@ class ClipSearch {
     constexpr std::array<Move, 4> all{{{-stride, 1}, {0, 2}, {0, 0.5}, {stride, 1}}};
     // Finer steps hardly ever make a smaller clip.
     const std::span<const Move> moves(all.data(), effort_ > 5 ? 4 : 3);
-    int left = plan.trials;
+    int left = plan_.trials;
     for (std::size_t failed = 0, at = 0; failed < moves.size() && left > 0; --left) {
-      Trial trial = neighbour(current, moves[at].exponent, moves[at].rate, plan.iterations);
+      Trial trial = neighbour(current, moves[at].exponent, moves[at].rate, plan_.iterations);
       if (trial.beats(current)) {
         current = std::move(trial);
         failed = 0;
@@ -242,7 +243,7 @@ class ClipSearch {
     }
     trial.kept = bring_within_bound(levels, room);
     const std::size_t was = bytes_of(levels);
-    if (trial.kept && context_.parts.refinement &&
+    if (trial.kept && plan_.prunes && context_.parts.refinement &&
         static_cast<double>(was) < worth_pruning * static_cast<double>(limit)) {
       LevelClip pruned = levels;
       prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
@@ -415,6 +416,7 @@ class ClipSearch {
   std::vector<Candidate>* tried_;
   const PreparedClip& prepared_;
   const ClipSource& clip_;
+  SearchPlan plan_;
   int threads_;
   MotionMap map_;
   std::optional<LevelClip> best_;

@@ -21,6 +21,16 @@ const Bound& bound_of(const Source& source, const std::vector<std::size_t>& clip
   return source.bounds[source.clips[clips.front()].bound];
 }
 
+/// Evenly spaced samples of a clip, enough to know how far its points are from its joints.
+Eigen::MatrixXd some_samples(const Eigen::MatrixXd& values) {
+  constexpr Eigen::Index fewest = 16, most = 256, share = 8;
+  const Eigen::Index samples = values.cols();
+  const Eigen::Index count = std::min(samples, std::clamp(samples / share, fewest, most));
+  Eigen::MatrixXd some(values.rows(), count);
+  for (Eigen::Index n = 0; n < count; ++n) some.col(n) = values.col(n * samples / count);
+  return some;
+}
+
 /// Per target and slot: how far a unit moves the farthest point.
 std::vector<std::vector<double>> slot_reaches(const Source& source, const std::vector<std::size_t>& clips,
                                               const SetFrame& frame, int threads) {
@@ -32,7 +42,7 @@ std::vector<std::vector<double>> slot_reaches(const Source& source, const std::v
   parallel_for(layouts.size(), threads, [&](std::size_t c) {
     layouts[c] = layout_clip(source.clips[clips[c]].clip, frame);
     MotionMap map(source.skeleton, frame, layouts[c], points, layouts[c].values, FreeParameters::all);
-    map.linearise(layouts[c].values);
+    map.linearise(some_samples(layouts[c].values));
     reaches[c] = map.reach();
   });
   for (std::size_t c = 0; c < layouts.size(); ++c)
