@@ -136,6 +136,7 @@ Settings from_json(const json& object, const std::string& path) {
     settings.exclude.push_back(entry.get<std::string>());
   });
   reader.flag("exact_ends", settings.exact_ends);
+  reader.flag("keep_resting", settings.keep_resting);
   reader.text("target_size", [&](const std::string& text, const std::string& name) {
     settings.target_bytes = parse_byte_count(text, name);
   });
@@ -165,6 +166,7 @@ void refuse_contradictions(const Settings& s) {
   if (s.contact_weight) refuse("--contact-weight does not exist in --profile paper: leave it out.");
   if (!s.rules.empty()) refuse("--profile paper knows one tolerance for everything: leave the others out.");
   if (s.exact_ends.value_or(false)) refuse("--exact-ends does not exist in --profile paper: leave it out.");
+  if (s.keep_resting.value_or(false)) refuse("--keep-resting does not exist in --profile paper: leave it out.");
   if (s.target_bytes) refuse("--target-size does not exist in --profile paper: leave it out.");
 }
 
@@ -203,6 +205,10 @@ std::shared_ptr<SettingsArguments> add_settings(CLI::App& app) {
   app.add_flag("--exact-ends", a->exact_ends,
                "first and last pose of each clip within a hundredth of the\ntolerance, for clips that join; profile "
                "default only")
+      ->group("Error bound");
+  app.add_flag("--keep-resting", a->keep_resting,
+               "also channels that hold what their node has without\n"
+               "animation in every animation; profile default only")
       ->group("Error bound");
   app.add_option("--target-size", a->target_size,
                  "find the smallest tolerance at which all animations fit\n"
@@ -269,6 +275,7 @@ Settings read_settings(const SettingsArguments& a) {
   for (const std::string& text : a.keep) settings.keep.push_back(parse_selector(text, "--keep"));
   settings.exclude.insert(settings.exclude.end(), a.said.exclude.begin(), a.said.exclude.end());
   if (a.exact_ends) settings.exact_ends = true;
+  if (a.keep_resting) settings.keep_resting = true;
   if (!a.target_size.empty()) settings.target_bytes = parse_byte_count(a.target_size, "--target-size");
   replace(a.said.effort, settings.effort);
   replace(a.said.max_frequencies, settings.max_frequencies);
@@ -287,6 +294,7 @@ void apply(const Settings& settings, codec::CompressOptions& options) {
   options.keep = settings.keep;
   options.exclude = settings.exclude;
   options.exact_ends = settings.exact_ends.value_or(options.exact_ends);
+  options.keep_resting = settings.keep_resting.value_or(options.keep_resting);
   options.effort = settings.effort.value_or(options.effort);
   options.max_frequencies = settings.max_frequencies.value_or(options.max_frequencies);
   options.contact_weight = settings.contact_weight.value_or(options.contact_weight);

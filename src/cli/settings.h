@@ -19,6 +19,7 @@ struct Settings {
   std::vector<codec::Selector> keep;
   std::vector<std::string> exclude;  ///< names of animations
   std::optional<bool> exact_ends;
+  std::optional<bool> keep_resting;
   std::optional<std::size_t> target_bytes;
   std::optional<int> effort;
   std::optional<int> max_frequencies;
@@ -36,6 +37,7 @@ struct SettingsArguments {
   std::vector<std::string> keep;       ///< selectors
   std::string target_size;
   bool exact_ends = false;
+  bool keep_resting = false;
   bool optional = false;
   bool fallback = false;
 };

@@ -77,6 +77,20 @@ std::vector<EncodedSet> encode_paper_sets(const Source& source, const CompressOp
   return sets;
 }
 
+/// What the user should know of channels that are in no clip.
+std::vector<std::string> resting_notes(const Source& source, const std::vector<EncodedSet>& sets) {
+  std::size_t resting = 0, channels = 0;
+  for (const EncodedSet& set : sets)
+    for (const std::size_t clip : set.clips) {
+      resting += source.clips[clip].resting.size();
+      channels += source.clips[clip].resting.size() + source.clips[clip].channels.size();
+    }
+  if (resting == 0) return {};
+  return {
+      std::to_string(resting) + " of " + std::to_string(channels) +
+      " channels hold what their node has without animation, in every animation: left out (--keep-resting keeps them)"};
+}
+
 }  // namespace
 
 CompressResult compress(const gltf::Document& document, const CompressOptions& options) {
@@ -107,6 +121,7 @@ CompressResult compress(const gltf::Document& document, const CompressOptions& o
     edit.requirement = options.requirement;
     if (options.explain) put_search_records(result.clips, sets, edit);
     result.notes = gltf::apply_compression(result.document, edit);
+    for (std::string& sentence : resting_notes(source, sets)) result.notes.push_back(std::move(sentence));
   }
   for (std::string& sentence : unused_patterns(source, options)) result.notes.push_back(std::move(sentence));
   const std::vector<gltf::AnimationCost> after = gltf::animation_costs(result.document);

@@ -30,6 +30,7 @@ struct CompressOptions {
   std::vector<ToleranceRule> rules;  ///< standard profile: exceptions from it; the last that names a point counts
   std::vector<Selector> keep;        ///< channels that stay as they are
   bool exact_ends = false;           ///< standard profile: first and last pose within a hundredth of the tolerance
+  bool keep_resting = false;         ///< standard profile: channels that change nothing in any animation stay in clips
   int max_frequencies = 40;          ///< paper profile: the largest K of Algorithm 1
   double contact_weight = 3;         ///< standard profile: how often the error of points that stand still counts
   int effort = 5;                    ///< standard profile: 1 (fast) to 9 (thorough)

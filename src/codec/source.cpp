@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "codec/resting.h"
 #include "motion/error.h"
 
 namespace nmc::codec {
@@ -50,10 +52,45 @@ bool is_excluded(const std::string& name, const CompressOptions& options) {
 /// Smooth curves are sampled so densely that straight lines between samples use up a small part of the tolerance only.
 constexpr double sampling_share = 0.2;
 
-motion::Clip make_clip(const std::string& name, const std::vector<Curve>& curves, double tolerance, double size) {
+/// The curve's first value, held from its first to its last key.
+Curve held(const Curve& curve) {
+  Curve constant = curve;
+  constant.interpolation = Interpolation::linear;
+  constant.times = {curve.times.front()};
+  if (curve.times.size() > 1) constant.times.push_back(curve.times.back());
+  constant.values.clear();
+  for (std::size_t k = 0; k < constant.times.size(); ++k)
+    constant.values.insert(constant.values.end(), curve.values.begin(), curve.values.begin() + curve.width);
+  return constant;
+}
+
+/// `resting` only have a say in how long the clip is.
+motion::Clip make_clip(const std::string& name, const std::vector<Curve>& curves, const std::vector<Curve>& resting,
+                       double tolerance, double size) {
   const double distance = sampling_share * tolerance;
   const int parts = motion::needed_subdivisions(curves, distance / size, distance);
-  return motion::sample_clip(name, curves, motion::common_times(curves, parts));
+  std::vector<Curve> all = curves;
+  for (const Curve& curve : resting) all.push_back(held(curve));
+  return motion::sample_clip(name, curves, motion::common_times(all, parts));
+}
+
+/// Moves the curves of these properties, and the numbers of their channels, out of a clip; one of its curves stays.
+std::vector<Curve> leave_out(const std::set<NodeProperty>& resting, std::vector<Curve>& curves, ClipSource& clip) {
+  std::vector<Curve> left_out, stay;
+  std::vector<int> channels;
+  for (std::size_t k = 0; k < curves.size(); ++k) {
+    const bool is_last = k + 1 == curves.size() && stay.empty();
+    if (is_last || !resting.contains({curves[k].node, curves[k].path})) {
+      stay.push_back(std::move(curves[k]));
+      channels.push_back(clip.channels[k]);
+    } else {
+      left_out.push_back(std::move(curves[k]));
+      clip.resting.push_back(clip.channels[k]);
+    }
+  }
+  curves = std::move(stay);
+  clip.channels = std::move(channels);
+  return left_out;
 }
 
 /// Exporters write constants as STEP keys that differ by rounding; less than this share of the tolerance is not a jump.
@@ -66,18 +103,6 @@ bool is_steady(const Curve& curve, double tolerance, double size) {
     if (!(std::abs(static_cast<double>(curve.values[i]) - static_cast<double>(curve.values[i % width])) <= most))
       return false;
   return true;
-}
-
-/// The curve's first value, held from its first to its last key.
-Curve held(const Curve& curve) {
-  Curve constant = curve;
-  constant.interpolation = Interpolation::linear;
-  constant.times = {curve.times.front()};
-  if (curve.times.size() > 1) constant.times.push_back(curve.times.back());
-  constant.values.clear();
-  for (std::size_t k = 0; k < constant.times.size(); ++k)
-    constant.values.insert(constant.values.end(), curve.values.begin(), curve.values.begin() + curve.width);
-  return constant;
 }
 
 /// A channel that changes in jumps only, none of which anyone sees.
@@ -94,6 +119,15 @@ bool has_motion(const gltf::Asset& asset) {
            std::any_of(animation.untouched.begin(), animation.untouched.end(),
                        [](const gltf::UntouchedChannel& channel) { return channel.curve.node >= 0; });
   });
+}
+
+/// Of all points in all animations that are to be compressed, world units.
+double finest_tolerance(const gltf::Asset& asset, const CompressOptions& options, BoundTable& bounds) {
+  double finest = std::numeric_limits<double>::infinity();
+  for (const gltf::AnimationSource& animation : asset.animations)
+    if (!is_excluded(animation.name, options))
+      finest = std::min(finest, bounds.bounds()[bounds.of(animation.name)].finest);
+  return finest;
 }
 
 std::size_t animated_nodes(const motion::Clip& clip) {
@@ -132,6 +166,10 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
   source.size = motion::character_size(source.skeleton, source.all_points);
   source.tolerance = in_world_units(options.tolerance, source.size);
   BoundTable bounds({source.skeleton, source.points, source.all_points, source.size, source.tolerance}, options.rules);
+  std::set<NodeProperty> resting;
+  if (options.profile == Profile::standard && !options.keep_resting)
+    resting =
+        resting_properties(document, asset, source.skeleton, finest_tolerance(asset, options, bounds), source.size);
   for (std::size_t i = 0; i < asset.animations.size(); ++i) {
     gltf::AnimationSource& animation = asset.animations[i];
     ClipResult result;
@@ -179,7 +217,8 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
           animation.channels.empty() ? animation.untouched.front().reason : "all its channels are to be kept";
       continue;
     }
-    clip.clip = make_clip(animation.name, taken, tolerance, source.size);
+    const std::vector<Curve> left_out = leave_out(resting, taken, clip);
+    clip.clip = make_clip(animation.name, taken, left_out, tolerance, source.size);
     ClipResult& made = source.results.back();
     made.frames = clip.clip.times.size();
     made.joints = animated_nodes(clip.clip);
@@ -254,8 +293,14 @@ gltf::CompressionEdit compression_edit(const Source& source, const std::vector<E
     for (const NodeTarget& target : set.targets) bytes.targets.push_back({target.node, target.path});
     for (std::size_t i = 0; i < set.clips.size(); ++i) {
       const ClipSource& clip = source.clips[set.clips[i]];
-      edit.taken.push_back({clip.animation, clip.channels, static_cast<int>(edit.clip_sets.size()), static_cast<int>(i),
-                            clip.clip.times.front(), clip.clip.times.back()});
+      edit.taken.push_back({clip.animation,
+                            clip.channels,
+                            static_cast<int>(edit.clip_sets.size()),
+                            static_cast<int>(i),
+                            clip.clip.times.front(),
+                            clip.clip.times.back(),
+                            {},
+                            clip.resting});
     }
     edit.clip_sets.push_back(std::move(bytes));
   }

@@ -19,6 +19,7 @@ struct ClipSource {
   int animation = 0;
   std::string name;
   std::vector<int> channels;  ///< indices in animation.channels that the clip replaces
+  std::vector<int> resting;   ///< indices of those that need no clip (codec/resting.h)
   Animation original;         ///< all readable curves, also those that stay
   Animation kept;             ///< the curves that stay in the file beside the clip
   motion::Clip clip;          ///< the taken curves on a common time grid

@@ -35,7 +35,8 @@ struct TakenAnimation {
   int clip = 0;             ///< clip within the set
   float start_seconds = 0;  ///< first and last key time over all channels of the animation as it was
   float end_seconds = 0;
-  Json extras{};  ///< of the animation's extension object; null for none
+  Json extras{};               ///< of the animation's extension object; null for none
+  std::vector<int> resting{};  ///< indices in animation.channels that nothing needs to replace
 };
 
 enum class Requirement {

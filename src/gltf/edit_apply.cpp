@@ -45,6 +45,9 @@ std::vector<Target> taken_targets(const Document& document, const CompressionEdi
     }
     targets.push_back(*target);
   }
+  for (const int channel : taken.resting)
+    if (channel < 0 || sized(channel) >= array_size(animation, "channels") || !seen.insert(channel).second)
+      refuse(document, name + " has no channel " + std::to_string(channel) + " left to leave out");
   return targets;
 }
 
@@ -74,6 +77,7 @@ std::set<std::size_t> take_channels(Document& document, const CompressionEdit& e
   for (const auto& taken : edit.taken) {
     std::set<std::size_t> channels;
     for (const int channel : taken.channels) channels.insert(sized(channel));
+    for (const int channel : taken.resting) channels.insert(sized(channel));
     remove_channels(animation_at(document, taken.animation), channels, numbering, candidates);
   }
   return remove_unused(document, candidates, numbering);
