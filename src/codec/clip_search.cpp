@@ -54,7 +54,7 @@ std::vector<int> efforts_of(int effort) {
   return efforts;
 }
 
-/// Longer clips are smallest with coarser steps.
+/// Longer clips are smallest with coarser steps and dearer bits.
 constexpr std::size_t short_samples = 120;
 
 /// Bases and windows worth trying for a clip. Most clips with jumps are smaller when these are taken out first.
@@ -138,9 +138,8 @@ class ClipSearch {
 
  private:
   static constexpr std::size_t worth_threads = 1000;  ///< samples from which threads gain more than they cost
-  static constexpr double usual_rate = 0.2;
-  static constexpr int stride = 3;   ///< of the search, in quarters of an octave of step size
-  static constexpr int finest = 24;  ///< step exponent
+  static constexpr int stride = 3;                    ///< of the search, in quarters of an octave of step size
+  static constexpr int finest = 24;                   ///< step exponent
   /// Usual errors, after training and after its repair, from which corrections never make the smallest candidate.
   static constexpr float hopeless = 1.2f, hopeless_repaired = 1.07f;
   static constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
@@ -149,8 +148,9 @@ class ClipSearch {
   Trial best_cut(bool from_each_cut) {
     Trial best;
     for (SparseSettings& settings : cuts_of(context_, prepared_, effort_, threads_)) {
-      settings.step_exponent = clip_.clip.times.size() > short_samples ? -3 : 1;
-      settings.rate = usual_rate;
+      const bool is_long = clip_.clip.times.size() > short_samples;
+      settings.step_exponent = is_long ? -3 : 1;
+      settings.rate = is_long ? 0.3 : 0.2;
       settings.iterations = plan_.first_iterations;
       Trial trial = offer(settings, nullptr, from_each_cut ? unlimited : best_bytes_);
       if (from_each_cut && trial.kept) descend(trial);
@@ -174,7 +174,7 @@ class ClipSearch {
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;
-    plain.rate = usual_rate / 4;  // of the trainings that go on from here
+    plain.rate = 0.05;  // of the trainings that go on from here
     for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4)
       trial = offer(plain, nullptr, best_bytes_);
     return trial;
