@@ -15,20 +15,19 @@ namespace {
 /// Of the tolerance. What files write for one number in two places differs by rounding.
 constexpr double rounding_share = 0.01;
 
-/// Whether these numbers, or with `either_sign` their opposites, differ by at most `most`.
-bool are_close(std::span<const float> a, std::span<const double> b, double most, bool either_sign) {
-  double same = 0, opposite = 0;
-  for (std::size_t i = 0; i < b.size(); ++i) {
-    same = std::max(same, std::abs(static_cast<double>(a[i]) - b[i]));
-    opposite = std::max(opposite, std::abs(static_cast<double>(a[i]) + b[i]));
-  }
-  return same <= most || (either_sign && opposite <= most);
+/// Whether these numbers differ from `sign` times the others by at most `most`.
+bool are_close(std::span<const float> a, std::span<const double> b, double sign, double most) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&](float x, double y) { return std::abs(static_cast<double>(x) - sign * y) <= most; });
 }
 
+/// Whether a curve has these numbers at every key; of a rotation the opposite ones are the same.
 bool holds(const Curve& curve, std::span<const double> rest, double most) {
-  for (std::size_t k = 0; k + rest.size() <= curve.values.size(); k += rest.size())
-    if (!are_close(std::span(curve.values).subspan(k, rest.size()), rest, most, curve.path == Path::rotation))
+  for (std::size_t k = 0; k + rest.size() <= curve.values.size(); k += rest.size()) {
+    const std::span<const float> key = std::span(curve.values).subspan(k, rest.size());
+    if (!are_close(key, rest, 1, most) && !(curve.path == Path::rotation && are_close(key, rest, -1, most)))
       return false;
+  }
   return true;
 }
 
