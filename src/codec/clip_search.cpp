@@ -459,18 +459,19 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
   return clip;
 }
 
-LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
-                      std::vector<Candidate>* tried) {
+std::vector<LevelClip> search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
+                                   std::vector<Candidate>* tried) {
   // Longer trainings end elsewhere, not always at fewer bytes: high efforts have what the lower ones find as well.
-  LevelClip found;
+  std::vector<LevelClip> found;
   std::size_t least = unlimited;
   for (const int effort : efforts_of(context.effort)) {
     if (least != unlimited && context.is_late()) break;
     ClipSearch search(context, effort, prepared, index, tried);
     LevelClip levels = search.run();
-    if (!found.times.empty() && search.bytes() >= least) continue;
+    if (!found.empty() && search.bytes() >= least) continue;
+    if (least == unlimited) found.clear();  // not within the tolerance
     least = search.bytes();
-    found = std::move(levels);
+    found.push_back(std::move(levels));
   }
   if (!tried) return found;
   const auto smaller = [](const Candidate& a, const Candidate& b) {

@@ -49,9 +49,10 @@ struct SearchContext {
 /// stand still counts.
 PreparedClip prepare_clip(const SearchContext& context, std::size_t index, double contact_weight);
 
-/// The smallest levels found. They are within the tolerance by the encoder's own measurement unless nothing is. `tried`
-/// gets what the search has looked at, before and after corrections; null: nothing is recorded.
-LevelClip search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
-                      std::vector<Candidate>* tried = nullptr);
+/// The smallest levels found, at least one: at efforts above 5 those of the lower effort first, then each that is
+/// smaller alone. They are within the tolerance by the encoder's own measurement unless nothing is. `tried` gets what
+/// the search has looked at, before and after corrections; null: nothing is recorded.
+std::vector<LevelClip> search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
+                                   std::vector<Candidate>* tried = nullptr);
 
 }  // namespace nmc::codec

@@ -38,7 +38,7 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
       .threads = std::max(1, threads / static_cast<int>(std::min<std::size_t>(count, 64))),
       .exact_ends = options.exact_ends,
       .parts = options.parts};
-  std::vector<LevelClip> levels(count);
+  std::vector<std::vector<LevelClip>> levels(count);
   seconds_.resize(count);
   candidates_.resize(count);
   StepProgress progress(options.progress, count);
@@ -51,7 +51,7 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
   });
   targets_ = shared.frame.targets;
   set_ = std::move(shared.set);
-  set_.clips = std::move(levels);
+  choose_clips(levels, set_);
   for (std::size_t i = 0; i < count; ++i) place_[clips[i]] = i;
 }
 
@@ -73,6 +73,26 @@ EncodedSet StandardEncoder::encode(const std::vector<std::size_t>& clips) const 
   encoded.clips = clips;
   encoded.stream = write_clip_set(chosen);
   return encoded;
+}
+
+void choose_clips(const std::vector<std::vector<LevelClip>>& choices, ClipSet& set) {
+  set.clips.clear();
+  for (const std::vector<LevelClip>& clip : choices) set.clips.push_back(clip.front());
+  const auto size_of = [](ClipSet tried) {
+    choose_references(tried);
+    return write_clip_set(tried).size();
+  };
+  if (std::all_of(choices.begin(), choices.end(), [](const auto& clip) { return clip.size() == 1; })) return;
+  std::size_t least = size_of(set);
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    for (std::size_t k = 1; k < choices[i].size(); ++k) {
+      ClipSet other = set;
+      other.clips[i] = choices[i][k];
+      const std::size_t bytes = size_of(other);
+      if (bytes >= least) continue;
+      least = bytes;
+      set = std::move(other);
+    }
 }
 
 void choose_references(ClipSet& chosen) {

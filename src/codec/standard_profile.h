@@ -37,6 +37,10 @@ class StandardEncoder {
   std::vector<std::vector<Candidate>> candidates_;  ///< as seconds_; empty where nobody asked
 };
 
+/// Gives the set clips: of each one's choices (the first clip's, the second's, ...), none of them empty, whichever
+/// makes the set smallest, one clip after the other. The set is never larger than with the first choice of each.
+void choose_clips(const std::vector<std::vector<LevelClip>>& choices, ClipSet& set);
+
 /// Predicts each clip's first anchor pose from the earlier clip whose last one is nearest, in bits.
 void choose_references(ClipSet& chosen);
 

@@ -114,7 +114,7 @@ class HiddenEncoder {
     ClipSet set = shared_.set;
     set.clips.resize(clips_.size());
     parallel_for(clips_.size(), options_.threads,
-                 [&](std::size_t i) { set.clips[i] = search_clip(*context_, prepared[i], i); });
+                 [&](std::size_t i) { set.clips[i] = search_clip(*context_, prepared[i], i).back(); });
     choose_references(set);
     return set;
   }
