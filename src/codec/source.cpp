@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -65,13 +66,14 @@ Curve held(const Curve& curve) {
 }
 
 /// `resting` only have a say in how long the clip is.
-motion::Clip make_clip(const std::string& name, const std::vector<Curve>& curves, const std::vector<Curve>& resting,
+motion::Clip make_clip(const std::string& name, std::vector<Curve> curves, const std::vector<Curve>& resting,
                        double tolerance, double size) {
   const double distance = sampling_share * tolerance;
   const int parts = motion::needed_subdivisions(curves, distance / size, distance);
-  std::vector<Curve> all = curves;
-  for (const Curve& curve : resting) all.push_back(held(curve));
-  return motion::sample_clip(name, curves, motion::common_times(all, parts));
+  std::transform(resting.begin(), resting.end(), std::back_inserter(curves), held);
+  const std::vector<float> times = motion::common_times(curves, parts);
+  curves.resize(curves.size() - resting.size());
+  return motion::sample_clip(name, curves, times);
 }
 
 /// Moves the curves of these properties, and the numbers of their channels, out of a clip; one of its curves stays.
@@ -218,7 +220,7 @@ Source read_source(const gltf::Document& document, const CompressOptions& option
       continue;
     }
     const std::vector<Curve> left_out = leave_out(resting, taken, clip);
-    clip.clip = make_clip(animation.name, taken, left_out, tolerance, source.size);
+    clip.clip = make_clip(animation.name, std::move(taken), left_out, tolerance, source.size);
     ClipResult& made = source.results.back();
     made.frames = clip.clip.times.size();
     made.joints = animated_nodes(clip.clip);
