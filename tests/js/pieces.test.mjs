@@ -120,11 +120,11 @@ test('a search finds the last value at or before', () => {
 const names = ['slots', 'targets', 'clips', 'samples', 'windows', 'anchors', 'weights', 'atoms', 'maxFeatures', 'dense'];
 names.push('hidden0', 'hidden1', 'maxFrequencies');
 
-function make(counts, numbers) {
+function make(counts, numbers, decoder = 'js') {
   const header = Object.fromEntries(names.map((name, i) => [name, counts[i] ?? 0]));
   const encoder = new Encoder(numbers.flat(Infinity), RUNS);
   readDecisions(encoder, header);
-  return openSet(stream(counts, encoder.finish()), { decoder: 'js' });
+  return openSet(stream(counts, encoder.finish()), { decoder });
 }
 
 const plain = [0, 0, 0];
@@ -257,6 +257,17 @@ test('rotations: by vectors around an exact reference, and as quaternions', () =
   close(nothing.evaluate(0, new Float32Array(4)), [0, 0, 0, 1]);
   assert.throws(() => make(counts, [[exact, 0.25, 0, 1, [1, 0, 0, 1]], 2, everyTenth, 0, 3, 0, [0, 0, 0, 0], end]), { code: 'corrupt' });
 });
+
+for (const decoder of ['js', 'wasm'])
+  test(`keys of neighbouring rotations have one sign, ${decoder}`, () => {
+    const s = Math.SQRT1_2;
+    // (0, 0, 0, 1), but minus that at the second sample and (0, 0.6, 0, -0.8) at the last.
+    const atoms = [3, [1, 3, 0, -8], [2, 1, 0, 3], [0, 3, 0, -8]];
+    const numbers = [[[1, 0, 0], 0.25, 0, 1, [s, 0, 0, s]], 4, everyTenth, 0, 3, 0, [0, 0, 0, 4], 0, atoms];
+    const [clip] = make([4, 1, 1, 4, 1, 4, 0, 3, 0, 0], numbers, decoder).clips;
+    close(clip.evaluate(clip.times[1], new Float32Array(4)), [0, 0, 0, -1]);
+    close(clip.decode()[0].values, [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, -0.6, 0, 0.8]);
+  });
 
 test('a network, quantised and not', () => {
   const elu = (x) => (x < 0 ? Math.exp(x) - 1 : x);

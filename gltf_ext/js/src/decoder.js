@@ -1,7 +1,7 @@
 // The decoder in JavaScript: opens a stream and evaluates its clips. No glTF here; extension.js connects targets to nodes.
 import { NmcError, need } from './error.js';
 import { PATHS, readPayload } from './payload.js';
-import { PoseEvaluator, lastAtOrBefore, slerp } from './pose.js';
+import { PoseEvaluator, keepSign, lastAtOrBefore, slerp } from './pose.js';
 
 /**
  * Opens a stream: checks it as a whole and reads all that is in it.
@@ -70,7 +70,8 @@ class Clip {
   }
 
   /**
-   * All keys of the targets that the clip holds. Constant targets have two keys, the first and the last (one if the clip has one sample).
+   * All keys of the targets that the clip holds, neighbouring quaternions with one sign. Constant targets have two keys, the first and the last
+   * (one if the clip has one sample).
    * @returns {{target: number, times: Float32Array, values: Float32Array}[]} values: `width` floats a key
    */
   decode() {
@@ -99,6 +100,7 @@ class Clip {
         for (let a = 0, i = n * width; a < width; ++a, ++i) values[i] = pose[slot + a];
       }
     }
+    for (const { target, values } of moving) if (this.#targets[target].path === 'rotation') keepSign(values);
     return [...tracks, ...moving].sort((a, b) => a.target - b.target);
   }
 

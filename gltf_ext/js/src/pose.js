@@ -36,6 +36,18 @@ function normalize(x, y, z, w, out, at) {
   out[at + 3] = unit ? w / length : 1;
 }
 
+/**
+ * Gives each quaternion the sign that is nearer to the one before, as exporters write them: not all players look before they mix two keys.
+ * @param {Float32Array} values x, y, z, w of each key; changed
+ */
+export function keepSign(values) {
+  for (let i = 4; i < values.length; i += 4) {
+    let dot = 0;
+    for (let a = i; a < i + 4; ++a) dot += values[a - 4] * values[a];
+    if (dot < 0) for (let a = i; a < i + 4; ++a) values[a] = -values[a];
+  }
+}
+
 /** The spherical mean of the unit quaternions at p[i..] and q[i..] on the short arc, into out[i..]. */
 export function slerp(p, q, i, u, out) {
   let cosine = p[i] * q[i] + p[i + 1] * q[i + 1] + p[i + 2] * q[i + 2] + p[i + 3] * q[i + 3];

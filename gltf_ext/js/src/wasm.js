@@ -2,6 +2,7 @@
 import { openJsSet } from './decoder.js';
 import { NmcError } from './error.js';
 import { PATHS } from './payload.js';
+import { keepSign } from './pose.js';
 import { wasmBinary } from './wasm_binary.js';
 
 /** By nmc_result; the specification's table "Refusals" has the same numbers. */
@@ -114,6 +115,7 @@ class WasmClip {
     }
     const most = Math.max(Math.floor(KEY_FLOATS / floats), 1);
     for (let first = 0; first < times.length; first += most) this.#decodeSome(tracks, first, Math.min(most, times.length - first));
+    for (const { target, values } of tracks) if (targets[target].path === 'rotation') keepSign(values);
     // What does not move is in the pose of the last sample as in any other.
     const pose = this.#poseView();
     const ends = last > 0 ? Float32Array.of(times[0], times[last]) : times;
