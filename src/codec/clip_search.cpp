@@ -289,7 +289,7 @@ class ClipSearch {
   /// bound, corrects the samples around it further.
   bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
     if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
-    constexpr int rounds = 8, few = 3;
+    constexpr int rounds = 8, first_rounds = 3;
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
     for (int round = 0; round < rounds; ++round) {
       if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
@@ -301,9 +301,9 @@ class ClipSearch {
         close_seam(levels);
       motion::ErrorProfile profile = error_profile(levels);
       if (is_within_bound(profile)) return true;
-      mend_flips(profile, round < few ? 1.5 : 1, levels);
+      mend_flips(profile, round < first_rounds ? 1.5 : 1, levels);
       // What is corrected next may break what has just been mended.
-      if (round >= few && is_within_bound(error_profile(levels))) return true;
+      if (round >= first_rounds && is_within_bound(error_profile(levels))) return true;
       tighten(profile, 1 + 0.1 * round, strictness);
     }
     return false;

@@ -78,11 +78,11 @@ EncodedSet StandardEncoder::encode(const std::vector<std::size_t>& clips) const 
 void choose_clips(const std::vector<std::vector<LevelClip>>& choices, ClipSet& set) {
   set.clips.clear();
   for (const std::vector<LevelClip>& clip : choices) set.clips.push_back(clip.front());
-  const auto size_of = [](ClipSet tried) {
+  if (std::all_of(choices.begin(), choices.end(), [](const auto& clip) { return clip.size() == 1; })) return;
+  const auto size_of = [](ClipSet& tried) {
     choose_references(tried);
     return write_clip_set(tried).size();
   };
-  if (std::all_of(choices.begin(), choices.end(), [](const auto& clip) { return clip.size() == 1; })) return;
   std::size_t least = size_of(set);
   for (std::size_t i = 0; i < choices.size(); ++i)
     for (std::size_t k = 1; k < choices[i].size(); ++k) {

@@ -35,19 +35,19 @@ std::vector<Target> taken_targets(const Document& document, const CompressionEdi
                          edit.clip_sets[sized(taken.clip_set)].targets.end());
   std::set<int> seen;
   std::vector<Target> targets;
-  for (const int channel : taken.channels) {
-    if (channel < 0 || sized(channel) >= array_size(animation, "channels") || !seen.insert(channel).second) {
+  const auto claim = [&](int channel) {
+    if (channel < 0 || sized(channel) >= array_size(animation, "channels") || !seen.insert(channel).second)
       refuse(document, name + " has no channel " + std::to_string(channel) + " left to take");
-    }
+  };
+  for (const int channel : taken.channels) {
+    claim(channel);
     const auto target = channel_target(animation["channels"][sized(channel)]);
     if (!target || !known.contains(*target)) {
       refuse(document, name + ".channels[" + std::to_string(channel) + "] moves no target of its clip set");
     }
     targets.push_back(*target);
   }
-  for (const int channel : taken.resting)
-    if (channel < 0 || sized(channel) >= array_size(animation, "channels") || !seen.insert(channel).second)
-      refuse(document, name + " has no channel " + std::to_string(channel) + " left to leave out");
+  for (const int channel : taken.resting) claim(channel);
   return targets;
 }
 

@@ -40,7 +40,10 @@ export interface Clip {
    * @throws NmcError `argument`
    */
   evaluate(seconds: number, out: Float32Array): Float32Array;
-  /** All keys of the targets that the clip holds, neighbouring quaternions with one sign. Constant targets have two keys, or one if the clip has one sample. */
+  /**
+   * All keys of the targets that the clip holds, neighbouring quaternions with one sign. Constant targets have two keys, or one if the clip has
+   * one sample.
+   */
   decode(): Track[];
 }
 
