@@ -3,27 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 
-#include "codec/atoms.h"
-#include "codec/between.h"
-#include "codec/contacts.h"
-#include "codec/corrections.h"
+#include "base/parallel.h"
+#include "codec/clip_trial.h"
 #include "codec/features.h"
-#include "codec/jumps.h"
-#include "codec/refinement.h"
-#include "codec/set_steps.h"
 #include "codec/windows.h"
 
 namespace nmc::codec {
 namespace {
-
-/// The part of the tolerance that is aimed at: the rest covers what lies between samples and points.
-constexpr double aim = 0.985;
-
-constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
 /// How long the search for one clip may take, by effort.
 struct SearchPlan {
@@ -55,12 +44,12 @@ std::vector<int> efforts_of(int effort) {
 }
 
 /// Longer clips are smallest with coarser steps and dearer bits.
-constexpr std::size_t short_samples = 120;
+constexpr Eigen::Index short_samples = 120;
 
 /// Bases and windows worth trying for a clip. Most clips with jumps are smaller when these are taken out first.
 std::vector<SparseSettings> cuts_of(const SearchContext& context, const PreparedClip& clip, int effort, int threads) {
   std::vector<SparseSettings> cuts;
-  const auto samples = static_cast<std::size_t>(clip.layout.values.cols());
+  const Eigen::Index samples = clip.layout.values.cols();
   const bool loops = clip.loops, jumps = !clip.jumps.empty();
   const auto whole = static_cast<std::uint32_t>(samples);
   if (samples <= 400 && !loops) cuts.push_back({.basis = Basis::cosine, .boundaries = {0, whole}});
@@ -75,7 +64,7 @@ std::vector<SparseSettings> cuts_of(const SearchContext& context, const Prepared
         {.basis = Basis::sine,
          .boundaries = fitted_windows(clip.layout, clip.steps, clip.jumps, samples > short_samples ? -6 : 1, threads)});
   else if (samples > 200)
-    cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(samples, 128)});
+    cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(static_cast<std::size_t>(samples), 128)});
   for (SparseSettings& cut : cuts) {
     cut.loops = loops;
     cut.jumps = jumps;
@@ -90,16 +79,6 @@ std::vector<SparseSettings> cuts_of(const SearchContext& context, const Prepared
   return cuts;
 }
 
-/// A trained, corrected candidate.
-struct Trial {
-  SparseSettings settings;
-  TrainingState state;
-  std::size_t bytes = unlimited;
-  bool kept = false;  ///< within the tolerance
-
-  bool beats(const Trial& other) const { return kept != other.kept ? kept : bytes < other.bytes; }
-};
-
 class ClipSearch {
  public:
   ClipSearch(const SearchContext& context, int effort, const PreparedClip& prepared, std::size_t index,
@@ -107,12 +86,12 @@ class ClipSearch {
       : context_(context),
         effort_(effort),
         tried_(tried),
-        prepared_(prepared),
-        clip_(context.source.clips[index]),
-        plan_(plan_of(effort, clip_.clip.times.size())),
-        threads_(clip_.clip.times.size() < worth_threads ? 1 : context.threads),
-        map_(context.source.skeleton, context.frame, prepared.layout, points_of(context.source, context.bound),
-             prepared.coded) {}
+        samples_(prepared.layout.values.cols()),
+        clip_{context, prepared, context.source.clips[index], tried != nullptr},
+        plan_(plan_of(effort, static_cast<std::size_t>(samples_))) {
+    const int at_once = samples_ > memory_for_one ? 1 : std::clamp(context.threads, 1, most_at_once);
+    for (int k = 0; k < at_once; ++k) benches_.push_back(make_workbench(clip_, 1));
+  }
 
   LevelClip run() {
     const bool from_each_cut = effort_ > 5;
@@ -123,64 +102,122 @@ class ClipSearch {
     if (plan_.last_iterations > 0 && current.kept) {
       SparseSettings last = current.settings;
       last.iterations = plan_.last_iterations;
-      offer(last, &current.state, best_bytes_);
+      take(make(last, &current.state, best_bytes_));
     }
     if (best_) return *best_;
     SparseSettings plain = current.settings;
     plain.iterations = 0;
     plain.jumps = false;
     plain.step_exponent = finest;
-    return levels_for(plain, nullptr).levels;
+    return train_trial(clip_, plain, nullptr, bench()).levels;
   }
 
   /// Of what run found; the largest number where nothing is within the bound.
   std::size_t bytes() const { return best_bytes_; }
 
  private:
-  static constexpr std::size_t worth_threads = 1000;  ///< samples from which threads gain more than they cost
-  static constexpr int stride = 3;                    ///< of the search, in quarters of an octave of step size
-  static constexpr int finest = 24;                   ///< step exponent
-  /// Usual errors, after training and after its repair, from which corrections never make the smallest candidate.
-  static constexpr float hopeless = 1.2f, hopeless_repaired = 1.07f;
-  static constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
+  static constexpr Eigen::Index worth_threads = 1000;     ///< samples from which threads help a single trial
+  static constexpr Eigen::Index memory_for_one = 20'000;  ///< samples from which trials at once take too much memory
+  static constexpr int most_at_once = 3;                  ///< a move and those that follow it if it fails
+  static constexpr int stride = 3;                        ///< of the search, in quarters of an octave of step size
+  static constexpr int finest = 24;                       ///< step exponent
+  /// Of the fewest bytes that a cut was trained to: what has more hardly ever ends as the smallest.
+  static constexpr double worth_correcting = 1.2;
 
-  /// The best of the first trainings of all cuts, or of what is found from each of them.
+  /// The bench of a trial that is made alone.
+  Workbench& bench() {
+    benches_.front().threads = threads_of_each(1);
+    return benches_.front();
+  }
+
+  int threads_of_each(std::size_t trials) const {
+    return samples_ < worth_threads ? 1 : std::max(1, context_.threads / static_cast<int>(trials));
+  }
+
+  /// Calls body(i, bench) for i in [0, count), as many at once as there are benches.
+  template <typename Body>
+  void at_once(std::size_t count, const Body& body) {
+    for (std::size_t first = 0; first < count; first += benches_.size()) {
+      const std::size_t some = std::min(benches_.size(), count - first);
+      for (Workbench& bench : benches_) bench.threads = threads_of_each(some);
+      parallel_for(some, static_cast<int>(some), [&](std::size_t k) { body(first + k, benches_[k]); });
+    }
+  }
+
+  /// A cut's first trial, and one at finer steps where that one's are far too coarse.
+  using CutTrials = std::vector<Trial>;
+
+  /// The best of the first trials of all cuts, or of what is found from each of them.
   Trial best_cut(bool from_each_cut) {
+    std::vector<CutTrials> cuts = trained_cuts();
+    std::size_t least = unlimited;
+    for (const CutTrials& cut : cuts) least = std::min(least, cut.front().bytes);
+    at_once(cuts.size(), [&](std::size_t k, Workbench& bench) {
+      const bool is_small = static_cast<double>(cuts[k].front().bytes) <= worth_correcting * static_cast<double>(least);
+      if (is_small && (k == 0 || !context_.is_late())) finish_cut(bench, cuts[k]);
+    });
     Trial best;
-    for (SparseSettings& settings : cuts_of(context_, prepared_, effort_, threads_)) {
-      const bool is_long = clip_.clip.times.size() > short_samples;
-      settings.step_exponent = is_long ? -3 : 1;
-      settings.rate = is_long ? 0.3 : 0.2;
-      settings.iterations = plan_.first_iterations;
-      Trial trial = offer(settings, nullptr, from_each_cut ? unlimited : best_bytes_);
+    for (CutTrials& cut : cuts) {
+      for (const Trial& trial : cut) take(trial);
+      Trial& trial = cut.back();
       if (from_each_cut && trial.kept) descend(trial);
       if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
     }
     return best;
   }
 
-  Trial neighbour(const Trial& current, int exponent, double rate, int iterations) {
-    SparseSettings settings = current.settings;
+  /// One trial of each cut, not corrected; where no time is left, of the first alone.
+  std::vector<CutTrials> trained_cuts() {
+    const bool is_long = samples_ > short_samples;
+    std::vector<SparseSettings> settings = cuts_of(context_, clip_.prepared, effort_, bench().threads);
+    std::vector<CutTrials> cuts(settings.size());
+    at_once(cuts.size(), [&](std::size_t k, Workbench& bench) {
+      const bool is_late = context_.is_late();
+      settings[k].step_exponent = is_long ? -2 : 1;
+      settings[k].rate = is_long ? 0.45 : 0.2;
+      settings[k].iterations = is_late ? 0 : plan_.first_iterations;
+      cuts[k].push_back(is_late && k > 0 ? Trial{.settings = settings[k]}
+                                         : train_trial(clip_, settings[k], nullptr, bench));
+    });
+    return cuts;
+  }
+
+  /// Corrects a cut's trial. Cuts are compared at steps that they can keep the bound with: where the first ones are far
+  /// off, at as much finer ones as the error is too large.
+  void finish_cut(Workbench& bench, CutTrials& trials) const {
+    constexpr int most = 8;
+    Trial& first = trials.front();
+    finish_trial(clip_, unlimited, plan_.prunes, bench, first);
+    if (!first.is_hopeless() || context_.is_late()) return;
+    const int finer = std::clamp(static_cast<int>(std::lround(4 * std::log2(first.usual_error))), 1, most);
+    Trial again = make(neighbour(first, finer, 1, plan_.iterations), &first.state, unlimited, bench);
+    trials.push_back(std::move(again));
+  }
+
+  static SparseSettings neighbour(const Trial& trial, int exponent, double rate, int iterations) {
+    SparseSettings settings = trial.settings;
     settings.step_exponent += exponent;
     settings.rate *= rate;
     settings.iterations = iterations;
-    return offer(settings, &current.state, current.kept ? current.bytes : best_bytes_);
+    return settings;
   }
 
   /// Finer steps until the bound is kept; at last without training and without jumps.
   Trial first_within_bound(const Trial& coarse) {
     Trial trial = coarse;
-    for (int k = 0; k < 4 && !trial.kept; ++k) trial = neighbour(trial, stride, 0.8, plan_.first_iterations);
+    for (int k = 0; k < 4 && !trial.kept && !context_.is_late(); ++k)
+      trial = take(make(neighbour(trial, stride, 0.8, plan_.first_iterations), &trial.state, best_bytes_));
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;
     plain.rate = 0.05;  // of the trainings that go on from here
     for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4)
-      trial = offer(plain, nullptr, best_bytes_);
+      trial = take(make(plain, nullptr, best_bytes_));
     return trial;
   }
 
-  /// Whichever neighbour is smaller, as long as there is one.
+  /// Whichever neighbour is smaller, as long as there is one. Trials that follow a move if it fails are made beside it;
+  /// one that does not follow is dropped, so that the threads change nothing.
   void descend(Trial& current) {
     struct Move {
       int exponent;
@@ -189,275 +226,64 @@ class ClipSearch {
     constexpr std::array<Move, 4> all{{{-stride, 1}, {0, 2}, {0, 0.5}, {stride, 1}}};
     // Finer steps hardly ever make a smaller clip.
     const std::span<const Move> moves(all.data(), effort_ > 5 ? 4 : 3);
-    int left = plan_.trials;
-    for (std::size_t failed = 0, at = 0; failed < moves.size() && left > 0; --left) {
-      Trial trial = neighbour(current, moves[at].exponent, moves[at].rate, plan_.iterations);
-      if (trial.beats(current)) {
-        current = std::move(trial);
-        failed = 0;
-      } else {
+    auto left = static_cast<std::size_t>(plan_.trials);
+    for (std::size_t failed = 0, at = 0; failed < moves.size() && left > 0;) {
+      std::vector<Trial> next(std::min({benches_.size(), moves.size() - failed, left}));
+      at_once(next.size(), [&](std::size_t k, Workbench& bench) {
+        const Move& move = moves[(at + k) % moves.size()];
+        next[k] =
+            make(neighbour(current, move.exponent, move.rate, plan_.iterations), &current.state, current.bytes, bench);
+      });
+      for (Trial& trial : next) {
+        --left;
+        take(trial);
+        if (trial.beats(current)) {
+          current = std::move(trial);
+          failed = 0;
+          break;
+        }
         ++failed;
         at = (at + 1) % moves.size();
       }
     }
   }
 
-  TrainedClip levels_for(const SparseSettings& settings, const TrainingState* start) {
-    TrainedClip trained = train_sparse({.layout = &prepared_.layout,
-                                        .steps = &prepared_.steps,
-                                        .offset = &prepared_.offset,
-                                        .emphasis = &prepared_.emphasis,
-                                        .tolerance = context_.bound.tolerance,
-                                        .threads = threads_,
-                                        .parts = context_.parts,
-                                        .atoms = &prepared_.jumps,
-                                        .start = start},
-                                       map_, settings);
-    trained.levels.times = clip_.clip.times;
-    trained.levels.states = prepared_.layout.states;
-    return trained;
+  Trial make(const SparseSettings& settings, const TrainingState* start, std::size_t limit) {
+    return make(settings, start, limit, bench());
   }
 
-  /// Trains and corrects what may get below `limit` bytes, and keeps the result if it is the smallest.
-  Trial offer(SparseSettings settings, const TrainingState* start, std::size_t limit) {
-    Trial trial{settings, {}, unlimited, false};
+  /// A trial that may get below `limit` bytes; an empty one where no time is left and there is something to take.
+  Trial make(SparseSettings settings, const TrainingState* start, std::size_t limit, Workbench& bench) const {
     if (context_.is_late()) {
-      if (best_) return trial;
+      if (best_) return {.settings = settings};
       settings.iterations = 0;
     }
-    TrainedClip trained = levels_for(settings, start);
-    trial.state = std::move(trained.state);
-    LevelClip& levels = trained.levels;
-    trial.bytes = bytes_of(levels);
-    record(settings, levels, trial.bytes, false);
-    if (trial.bytes >= limit) return trial;
-    // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
-    const std::size_t room =
-        levels.atoms.size() + 20 +
-        std::min(trial.bytes, limit < unlimited ? limit - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
-    if (settings.iterations > 0 && context_.parts.refinement) {
-      if (usual_error(levels) > hopeless) return trial;
-      repair(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance * 0.99,
-             threads_);
-      if (usual_error(levels) > hopeless_repaired) return trial;
-    }
-    trial.kept = bring_within_bound(levels, room);
-    const std::size_t was = bytes_of(levels);
-    if (trial.kept && plan_.prunes && context_.parts.refinement &&
-        static_cast<double>(was) < worth_pruning * static_cast<double>(limit)) {
-      LevelClip pruned = levels;
-      prune(pruned, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
-            threads_);
-      const bool ok = bring_within_bound(pruned, room);
-      if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
-    }
-    trial.bytes = bytes_of(levels);
-    record(settings, levels, trial.bytes, trial.kept);
-    if (!trial.kept || trial.bytes >= best_bytes_) return trial;
-    best_bytes_ = trial.bytes;
-    best_ = std::move(levels);
+    Trial trial = train_trial(clip_, settings, start, bench);
+    finish_trial(clip_, limit, plan_.prunes, bench, trial);
     return trial;
   }
 
-  void record(const SparseSettings& settings, const LevelClip& levels, std::size_t bytes, bool kept) const {
-    if (!tried_) return;
-    const motion::ErrorProfile profile = error_profile(levels);
-    tried_->push_back({bytes, *std::max_element(profile.max_error.begin(), profile.max_error.end()), kept, false,
-                       basis_name(settings.basis), settings.jumps});
-  }
-
-  /// The median over the samples of the largest error, in units of the tolerance.
-  float usual_error(const LevelClip& levels) const {
-    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-    const Rows error = map_.positions(values, threads_) - prepared_.wanted;
-    SampleRow largest = SampleRow::Zero(error.cols());
-    for (Eigen::Index q = 0; q < map_.seen_count(); ++q)
-      largest = largest.max(error.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum());
-    const auto middle = largest.begin() + largest.size() / 2;
-    std::nth_element(largest.begin(), middle, largest.end());
-    return std::sqrt(*middle) / static_cast<float>(context_.bound.tolerance);
-  }
-
-  std::size_t bytes_of(const LevelClip& clip) const {
-    ClipSet alone = context_.set;
-    alone.clips = {clip};
-    const PartBits bits = count_bits(alone);
-    return static_cast<std::size_t>((bits.anchors + bits.weights + bits.atoms) / 8) + 1;
-  }
-
-  /// Corrects; measures what the levels mean between the file's keys and at every vertex; where that is above the
-  /// bound, corrects the samples around it further.
-  bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
-    if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
-    constexpr int rounds = 8, first_rounds = 3;
-    SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
-    for (int round = 0; round < rounds; ++round) {
-      if (!correct(levels, prepared_.layout, prepared_.steps, map_, prepared_.wanted, aim * context_.bound.tolerance,
-                   strictness, most_atoms, threads_))
-        return false;
-      if (context_.exact_ends)
-        restore_ends(levels);
-      else if (prepared_.loops && round < rounds / 2)  // better a seam than no end
-        close_seam(levels);
-      motion::ErrorProfile profile = error_profile(levels);
-      if (is_within_bound(profile)) return true;
-      mend_flips(profile, round < first_rounds ? 1.5 : 1, levels);
-      // What is corrected next may break what has just been mended.
-      if (round >= first_rounds && is_within_bound(error_profile(levels))) return true;
-      tighten(profile, 1 + 0.1 * round, strictness);
-    }
-    return false;
-  }
-
-  /// Atoms that make the first and the last pose what they were.
-  void restore_ends(LevelClip& levels) const {
-    const Eigen::Index samples = prepared_.layout.values.cols();
-    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, samples);
-    for (const Eigen::Index end : {Eigen::Index{0}, samples - 1})
-      for (const std::vector<LevelAtom>& atoms : missing_by_target(prepared_.layout, prepared_.steps, end, 1, values))
-        for (const LevelAtom& atom : atoms) put_atom(atom, levels.atoms);
-    tidy_atoms(levels.atoms);
-  }
-
-  /// What atoms change at one end of a loop they change at the other as well, or they would open the seam that the
-  /// anchors close. The less corrected end follows: the other one needs what it has.
-  void close_seam(LevelClip& levels) const {
-    const Eigen::Index last = prepared_.layout.values.cols() - 1;
-    const Eigen::VectorXd signs = end_signs(prepared_.layout);
-    mirror_atoms(levels, last, signs);
-    const Eigen::VectorXd at_first = atom_levels(levels, 0), at_last = atom_levels(levels, last);
-    const bool first_leads = at_first.cwiseAbs().sum() > at_last.cwiseAbs().sum();
-    const Eigen::VectorXd change =
-        first_leads ? signs.cwiseProduct(at_first) - at_last : signs.cwiseProduct(at_last) - at_first;
-    const auto follower = static_cast<std::uint32_t>(first_leads ? last : 0);
-    for (Eigen::Index i = 0; i < change.size(); ++i)
-      if (const auto level = static_cast<std::int32_t>(std::lround(change(i))); level != 0)
-        put_atom({follower, static_cast<int>(i), 0, level}, levels.atoms);
-    tidy_atoms(levels.atoms);
-  }
-
-  /// An atom that only overlaps an end adds a part of a step there, which no atom of the other end's own could: it gets
-  /// its mirror image.
-  static void mirror_atoms(LevelClip& levels, Eigen::Index last, const Eigen::VectorXd& signs) {
-    std::vector<LevelAtom> images;
-    for (const LevelAtom& atom : levels.atoms) {
-      if (atom.width == LevelAtom::jump_width) continue;
-      const auto at = static_cast<Eigen::Index>(atom.sample);
-      const Eigen::Index away = std::min(at, last - at);
-      if (away == 0 || away >= Eigen::Index{1} << atom.width) continue;
-      LevelAtom image = atom;
-      image.sample = static_cast<std::uint32_t>(last - at);
-      if (signs(atom.parameter) < 0) image.level = -image.level;
-      const bool has_image = std::any_of(levels.atoms.begin(), levels.atoms.end(), [&](const LevelAtom& other) {
-        return other.sample == image.sample && other.parameter == image.parameter && other.width == image.width;
-      });
-      if (!has_image) images.push_back(image);
-    }
-    for (const LevelAtom& image : images) put_atom(image, levels.atoms);
-  }
-
-  /// What atoms add to each parameter at one end of the clip, in their steps.
-  Eigen::VectorXd atom_levels(const LevelClip& levels, Eigen::Index sample) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(prepared_.layout.values.rows());
-    for (const LevelAtom& atom : levels.atoms)
-      if (atom.width != LevelAtom::jump_width)
-        sum(atom.parameter) +=
-            atom.level * atom_share(std::abs(sample - static_cast<Eigen::Index>(atom.sample)), atom.width);
-    return sum;
-  }
-
-  motion::ErrorProfile error_profile(const LevelClip& levels) const {
-    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-    return context_.meter.profile(
-        clip_.original, with_kept(clip_, clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values)),
-        threads_);
-  }
-
-  bool is_within_bound(const motion::ErrorProfile& profile) const {
-    return *std::max_element(profile.max_error.begin(), profile.max_error.end()) <=
-           kept_share * context_.bound.tolerance;
-  }
-
-  /// Where the error between two samples is `far` times the bound or more, what goes wrong there is set right on both
-  /// sides; errors that are mended count as zero from then on.
-  void mend_flips(motion::ErrorProfile& profile, double far, LevelClip& levels) const {
-    const std::vector<float>& times = clip_.clip.times;
-    Eigen::MatrixXd values;
-    for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
-      if (!(profile.max_error[k] > far * context_.bound.tolerance)) continue;
-      const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
-      if (next == 0 || next == std::ssize(times)) continue;
-      if (values.size() == 0) values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-      if (mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next,
-                       profile.seconds[k], aim * context_.bound.tolerance, values, levels))
-        profile.max_error[k] = 0;
-    }
-    tidy_atoms(levels.atoms);
-  }
-
-  /// Makes the samples next to each time above the bound stricter, by `least` or more.
-  void tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
-    constexpr double most = 1.5;  // at once
-    const double bound = kept_share * context_.bound.tolerance, goal = aim * context_.bound.tolerance;
-    const std::vector<float>& times = clip_.clip.times;
-    SampleRow factor = SampleRow::Ones(strictness.size());
-    for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
-      if (profile.max_error[k] <= bound) continue;
-      const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
-      const auto worse = static_cast<float>(std::clamp(profile.max_error[k] / goal, least, std::max(least, most)));
-      for (const std::ptrdiff_t n : {next - 1, next})
-        if (n >= 0 && n < strictness.size()) factor(n) = std::max(factor(n), worse);
-    }
-    strictness *= factor;
+  /// Keeps what the trial is made of if it is the smallest, and what is recorded of it.
+  const Trial& take(const Trial& trial) {
+    if (tried_) tried_->insert(tried_->end(), trial.seen.begin(), trial.seen.end());
+    if (!trial.kept || trial.bytes >= best_bytes_) return trial;
+    best_bytes_ = trial.bytes;
+    best_ = trial.levels;
+    return trial;
   }
 
   const SearchContext& context_;
   int effort_;
   std::vector<Candidate>* tried_;
-  const PreparedClip& prepared_;
-  const ClipSource& clip_;
+  Eigen::Index samples_;
+  TrialClip clip_;
   SearchPlan plan_;
-  int threads_;
-  MotionMap map_;
+  std::vector<Workbench> benches_;
   std::optional<LevelClip> best_;
   std::size_t best_bytes_ = unlimited;
 };
 
-/// Whether the last pose is the first one again, as motion::ErrorReport means it.
-bool is_loop(const Rows& positions, Eigen::Index points, double size) {
-  constexpr Eigen::Index fewest = 8;
-  if (positions.cols() < fewest) return false;
-  const Rows gap = (positions.rightCols(1) - positions.leftCols(1)).square();
-  float most = 0;
-  for (Eigen::Index q = 0; q < points; ++q) most = std::max(most, gap.middleRows(3 * q, 3).sum());
-  for (Eigen::Index morph = 3 * points; morph < gap.rows(); ++morph) most = std::max(most, gap(morph, 0));
-  return std::sqrt(static_cast<double>(most)) <= motion::loop_gap * size;
-}
-
 }  // namespace
-
-PreparedClip prepare_clip(const SearchContext& context, std::size_t index, double contact_weight) {
-  PreparedClip clip;
-  const motion::Clip& motion = context.source.clips[index].clip;
-  clip.layout = layout_clip(motion, context.frame);
-  clip.steps = steps_for(context.set, clip.layout);
-  clip.jumps = find_jumps(clip.layout, clip.steps);
-  Eigen::MatrixXd coded = clip.layout.values;
-  for (Eigen::Index i = 0; i < coded.rows(); ++i)
-    if (!clip.layout.parameters[static_cast<std::size_t>(i)].moves)
-      coded.row(i).setConstant(fixed_level(clip.layout, clip.steps, i) * clip.steps.anchor(i));
-  const Points& points = points_of(context.source, context.bound);
-  const auto positions = [&](const Eigen::MatrixXd& fixed) {
-    return MotionMap(context.source.skeleton, context.frame, clip.layout, points, fixed).positions(clip.layout.values);
-  };
-  clip.wanted = positions(clip.layout.values);
-  clip.offset = in_blocks(positions(coded) - clip.wanted);
-  clip.coded = coded.col(0);
-  clip.loops = is_loop(clip.wanted, static_cast<Eigen::Index>(points.size()), context.source.size);
-  clip.emphasis =
-      in_blocks(contact_emphasis(clip.wanted, points.size(), motion.times, context.source.size, contact_weight));
-  return clip;
-}
 
 std::vector<LevelClip> search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
                                    std::vector<Candidate>* tried) {

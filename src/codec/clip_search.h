@@ -2,52 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <vector>
 
-#include "codec/clip_layout.h"
 #include "codec/clip_set.h"
 #include "codec/compress.h"
-#include "codec/motion_map.h"
-#include "codec/parts.h"
-#include "codec/source.h"
-#include "codec/sparse_training.h"
-#include "motion/error.h"
+#include "codec/prepared_clip.h"
 
 namespace nmc::codec {
-
-/// The part of the tolerance up to which a measured error is taken as kept.
-inline constexpr double kept_share = 0.999;
-
-/// A clip in the set's parameters, with where its points should be.
-struct PreparedClip {
-  ClipLayout layout;
-  ParameterSteps steps;
-  Eigen::MatrixXd coded;         ///< the first sample, fixed targets as they are coded
-  Rows wanted;                   ///< positions of the points of the bound
-  LaneRows offset;               ///< in blocks: what the rounding of fixed targets moves them by
-  std::vector<LevelAtom> jumps;  ///< taken out before training
-  bool loops = false;            ///< the last pose is the first one again
-  LaneRows emphasis;             ///< in blocks, points x samples: how much an error counts
-};
-
-/// What a search needs to know; all of it outlives the search.
-struct SearchContext {
-  const Source& source;
-  const Bound& bound;
-  const SetFrame& frame;
-  const ClipSet& set;
-  const motion::ErrorMeter& meter;
-  std::function<bool()> is_late;  ///< no time is left: take the first result
-  int effort = 5;
-  int threads = 1;  ///< for one training
-  bool exact_ends = false;
-  Parts parts{};
-};
-
-/// Puts clip `index` of the source into the set's parameters. `contact_weight`: how often the error of points that
-/// stand still counts.
-PreparedClip prepare_clip(const SearchContext& context, std::size_t index, double contact_weight);
 
 /// The smallest levels found, at least one: at efforts above 5 those of the lower effort first, then each that is
 /// smaller alone. They are within the tolerance by the encoder's own measurement unless nothing is. `tried` gets what

@@ -1,0 +1,253 @@
+#include "codec/clip_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "codec/atoms.h"
+#include "codec/between.h"
+#include "codec/corrections.h"
+#include "codec/features.h"
+#include "codec/refinement.h"
+
+namespace nmc::codec {
+namespace {
+
+/// The part of the tolerance that is aimed at: the rest covers what lies between samples and points.
+constexpr double aim = 0.985;
+
+/// A usual error after repair from which corrections never make the smallest candidate.
+constexpr float hopeless_repaired = 1.07f;
+
+constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
+
+class Finisher {
+ public:
+  Finisher(const TrialClip& clip, Workbench& bench)
+      : context_(clip.context), prepared_(clip.prepared), clip_(clip.source), records_(clip.records), bench_(bench) {}
+
+  void run(std::size_t limit, bool prunes, Trial& trial) {
+    if (trial.bytes >= limit) return;
+    LevelClip& levels = trial.levels;
+    // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
+    const std::size_t room =
+        levels.atoms.size() + 20 +
+        std::min(trial.bytes, limit < unlimited ? limit - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
+    if (trial.settings.iterations > 0 && context_.parts.refinement) {
+      trial.usual_error = usual_error(levels);
+      if (trial.is_hopeless()) return;
+      repair(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, aim * context_.bound.tolerance * 0.99,
+             threads());
+      if (usual_error(levels) > hopeless_repaired) return;
+    }
+    trial.kept = bring_within_bound(levels, room);
+    const std::size_t was = bytes_of(levels);
+    if (trial.kept && prunes && context_.parts.refinement &&
+        static_cast<double>(was) < worth_pruning * static_cast<double>(limit)) {
+      LevelClip pruned = levels;
+      prune(pruned, prepared_.layout, prepared_.steps, map(), prepared_.wanted, aim * context_.bound.tolerance,
+            threads());
+      const bool ok = bring_within_bound(pruned, room);
+      if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
+    }
+    trial.bytes = bytes_of(levels);
+    record(trial);
+  }
+
+  void record(Trial& trial) const {
+    if (!records_) return;
+    const motion::ErrorProfile profile = error_profile(trial.levels);
+    trial.seen.push_back({trial.bytes, *std::max_element(profile.max_error.begin(), profile.max_error.end()),
+                          trial.kept, false, basis_name(trial.settings.basis), trial.settings.jumps});
+  }
+
+  std::size_t bytes_of(const LevelClip& clip) const {
+    ClipSet alone = context_.set;
+    alone.clips = {clip};
+    const PartBits bits = count_bits(alone);
+    return static_cast<std::size_t>((bits.anchors + bits.weights + bits.atoms) / 8) + 1;
+  }
+
+ private:
+  MotionMap& map() const { return bench_.map; }
+  int threads() const { return bench_.threads; }
+
+  /// The median over the samples of the largest error, in units of the tolerance.
+  float usual_error(const LevelClip& levels) const {
+    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    const Rows error = map().positions(values, threads()) - prepared_.wanted;
+    SampleRow largest = SampleRow::Zero(error.cols());
+    for (Eigen::Index q = 0; q < map().seen_count(); ++q)
+      largest = largest.max(error.middleRows(map().first_row(q), map().row_count(q)).square().colwise().sum());
+    const auto middle = largest.begin() + largest.size() / 2;
+    std::nth_element(largest.begin(), middle, largest.end());
+    return std::sqrt(*middle) / static_cast<float>(context_.bound.tolerance);
+  }
+
+  /// Corrects; measures what the levels mean between the file's keys and at every vertex; where that is above the
+  /// bound, corrects the samples around it further.
+  bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
+    if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
+    constexpr int rounds = 8, first_rounds = 3;
+    SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
+    for (int round = 0; round < rounds; ++round) {
+      if (!correct(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, aim * context_.bound.tolerance,
+                   strictness, most_atoms, threads()))
+        return false;
+      if (context_.exact_ends)
+        restore_ends(levels);
+      else if (prepared_.loops && round < rounds / 2)  // better a seam than no end
+        close_seam(levels);
+      motion::ErrorProfile profile = error_profile(levels);
+      if (is_within_bound(profile)) return true;
+      mend_flips(profile, round < first_rounds ? 1.5 : 1, levels);
+      // What is corrected next may break what has just been mended.
+      if (round >= first_rounds && is_within_bound(error_profile(levels))) return true;
+      tighten(profile, 1 + 0.1 * round, strictness);
+    }
+    return false;
+  }
+
+  /// Atoms that make the first and the last pose what they were.
+  void restore_ends(LevelClip& levels) const {
+    const Eigen::Index samples = prepared_.layout.values.cols();
+    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, samples);
+    for (const Eigen::Index end : {Eigen::Index{0}, samples - 1})
+      for (const std::vector<LevelAtom>& atoms : missing_by_target(prepared_.layout, prepared_.steps, end, 1, values))
+        for (const LevelAtom& atom : atoms) put_atom(atom, levels.atoms);
+    tidy_atoms(levels.atoms);
+  }
+
+  /// What atoms change at one end of a loop they change at the other as well, or they would open the seam that the
+  /// anchors close. The less corrected end follows: the other one needs what it has.
+  void close_seam(LevelClip& levels) const {
+    const Eigen::Index last = prepared_.layout.values.cols() - 1;
+    const Eigen::VectorXd signs = end_signs(prepared_.layout);
+    mirror_atoms(levels, last, signs);
+    const Eigen::VectorXd at_first = atom_levels(levels, 0), at_last = atom_levels(levels, last);
+    const bool first_leads = at_first.cwiseAbs().sum() > at_last.cwiseAbs().sum();
+    const Eigen::VectorXd change =
+        first_leads ? signs.cwiseProduct(at_first) - at_last : signs.cwiseProduct(at_last) - at_first;
+    const auto follower = static_cast<std::uint32_t>(first_leads ? last : 0);
+    for (Eigen::Index i = 0; i < change.size(); ++i)
+      if (const auto level = static_cast<std::int32_t>(std::lround(change(i))); level != 0)
+        put_atom({follower, static_cast<int>(i), 0, level}, levels.atoms);
+    tidy_atoms(levels.atoms);
+  }
+
+  /// An atom that only overlaps an end adds a part of a step there, which no atom of the other end's own could: it gets
+  /// its mirror image.
+  static void mirror_atoms(LevelClip& levels, Eigen::Index last, const Eigen::VectorXd& signs) {
+    std::vector<LevelAtom> images;
+    for (const LevelAtom& atom : levels.atoms) {
+      if (atom.width == LevelAtom::jump_width) continue;
+      const auto at = static_cast<Eigen::Index>(atom.sample);
+      const Eigen::Index away = std::min(at, last - at);
+      if (away == 0 || away >= Eigen::Index{1} << atom.width) continue;
+      LevelAtom image = atom;
+      image.sample = static_cast<std::uint32_t>(last - at);
+      if (signs(atom.parameter) < 0) image.level = -image.level;
+      const bool has_image = std::any_of(levels.atoms.begin(), levels.atoms.end(), [&](const LevelAtom& other) {
+        return other.sample == image.sample && other.parameter == image.parameter && other.width == image.width;
+      });
+      if (!has_image) images.push_back(image);
+    }
+    for (const LevelAtom& image : images) put_atom(image, levels.atoms);
+  }
+
+  /// What atoms add to each parameter at one end of the clip, in their steps.
+  Eigen::VectorXd atom_levels(const LevelClip& levels, Eigen::Index sample) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(prepared_.layout.values.rows());
+    for (const LevelAtom& atom : levels.atoms)
+      if (atom.width != LevelAtom::jump_width)
+        sum(atom.parameter) +=
+            atom.level * atom_share(std::abs(sample - static_cast<Eigen::Index>(atom.sample)), atom.width);
+    return sum;
+  }
+
+  motion::ErrorProfile error_profile(const LevelClip& levels) const {
+    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    return context_.meter.profile(
+        clip_.original, with_kept(clip_, clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values)),
+        threads());
+  }
+
+  bool is_within_bound(const motion::ErrorProfile& profile) const {
+    return *std::max_element(profile.max_error.begin(), profile.max_error.end()) <=
+           kept_share * context_.bound.tolerance;
+  }
+
+  /// Where the error between two samples is `far` times the bound or more, what goes wrong there is set right on both
+  /// sides; errors that are mended count as zero from then on.
+  void mend_flips(motion::ErrorProfile& profile, double far, LevelClip& levels) const {
+    const std::vector<float>& times = clip_.clip.times;
+    Eigen::MatrixXd values;
+    for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
+      if (!(profile.max_error[k] > far * context_.bound.tolerance)) continue;
+      const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
+      if (next == 0 || next == std::ssize(times)) continue;
+      if (values.size() == 0) values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+      if (mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next,
+                       profile.seconds[k], aim * context_.bound.tolerance, values, levels))
+        profile.max_error[k] = 0;
+    }
+    tidy_atoms(levels.atoms);
+  }
+
+  /// Makes the samples next to each time above the bound stricter, by `least` or more.
+  void tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
+    constexpr double most = 1.5;  // at once
+    const double bound = kept_share * context_.bound.tolerance, goal = aim * context_.bound.tolerance;
+    const std::vector<float>& times = clip_.clip.times;
+    SampleRow factor = SampleRow::Ones(strictness.size());
+    for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
+      if (profile.max_error[k] <= bound) continue;
+      const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
+      const auto worse = static_cast<float>(std::clamp(profile.max_error[k] / goal, least, std::max(least, most)));
+      for (const std::ptrdiff_t n : {next - 1, next})
+        if (n >= 0 && n < strictness.size()) factor(n) = std::max(factor(n), worse);
+    }
+    strictness *= factor;
+  }
+
+  const SearchContext& context_;
+  const PreparedClip& prepared_;
+  const ClipSource& clip_;
+  bool records_;
+  Workbench& bench_;
+};
+
+}  // namespace
+
+Workbench make_workbench(const TrialClip& clip, int threads) {
+  return {MotionMap(clip.context.source.skeleton, clip.context.frame, clip.prepared.layout,
+                    points_of(clip.context.source, clip.context.bound), clip.prepared.coded),
+          threads};
+}
+
+Trial train_trial(const TrialClip& clip, const SparseSettings& settings, const TrainingState* start, Workbench& bench) {
+  const PreparedClip& prepared = clip.prepared;
+  TrainedClip trained = train_sparse({.layout = &prepared.layout,
+                                      .steps = &prepared.steps,
+                                      .offset = &prepared.offset,
+                                      .emphasis = &prepared.emphasis,
+                                      .tolerance = clip.context.bound.tolerance,
+                                      .threads = bench.threads,
+                                      .parts = clip.context.parts,
+                                      .atoms = &prepared.jumps,
+                                      .start = start},
+                                     bench.map, settings);
+  Trial trial{.settings = settings, .state = std::move(trained.state), .levels = std::move(trained.levels)};
+  trial.levels.times = clip.source.clip.times;
+  trial.levels.states = prepared.layout.states;
+  const Finisher finisher(clip, bench);
+  trial.bytes = finisher.bytes_of(trial.levels);
+  finisher.record(trial);
+  return trial;
+}
+
+void finish_trial(const TrialClip& clip, std::size_t limit, bool prunes, Workbench& bench, Trial& trial) {
+  Finisher(clip, bench).run(limit, prunes, trial);
+}
+
+}  // namespace nmc::codec
