@@ -323,6 +323,21 @@ TEST(Compress, SameBytesForAnyNumberOfThreads) {
   }
 }
 
+/// With more threads than one, trials of a lone clip are made before it is known whether they follow.
+TEST(Compress, TheSearchOfOneClipDoesNotDependOnThreads) {
+  const Document document = humanoid();
+  CompressOptions options = quick(0.002);
+  options.effort = 5;
+  options.explain = true;
+  for (const Animation& animation : core_animations(document))
+    if (animation.name != "jump") options.exclude.push_back(animation.name);
+  const gltf::Bytes one = gltf::to_glb(codec::compress(document, options).document);
+  for (const int threads : {2, 5}) {
+    options.threads = threads;
+    EXPECT_EQ(gltf::to_glb(codec::compress(document, options).document), one) << threads;
+  }
+}
+
 TEST(Compress, CompressingTwiceIsRefused) {
   const CompressResult result = codec::compress(tiny(), quick(0.01));
   EXPECT_THROW(codec::compress(result.document, quick(0.01)), Error);

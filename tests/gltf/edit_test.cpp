@@ -322,6 +322,17 @@ TEST(ApplyCompression, RefusesBrokenDocuments) {
   EXPECT_THAT(message("/extensions/NMC_animation_compression", Json::object()), HasSubstr("compressed already"));
 }
 
+TEST(ApplyCompression, RefusesARestingChannelThatIsNotThereOrTaken) {
+  Document document = make_document();
+  CompressionEdit edit = make_fake_edit(document, Requirement::required, 1.0, 3).edit;
+  const int taken = edit.taken.front().channels.front();
+  for (const int channel : {-1, 2, taken}) {
+    edit.taken.front().resting = {channel};
+    EXPECT_THAT(message_of([&] { apply_compression(document, edit); }),
+                HasSubstr("no channel " + std::to_string(channel) + " left to take"));
+  }
+}
+
 TEST(ReadCompression, IsEmptyWithoutTheExtension) {
   const auto content = read_compression(make_document());
   EXPECT_TRUE(content.clip_sets.empty());
