@@ -21,12 +21,14 @@ struct SearchPlan {
   int trials = 8;              ///< later trainings
   int last_iterations = 0;     ///< of one more at the best settings
   bool prunes = true;          ///< takes from what is within the bound what the bound can do without
+  /// Of the fewest bytes that a cut was trained to, up to which a cut is corrected: more hardly ever ends as less.
+  double worth_correcting = 1.2;
 };
 
 /// Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
 SearchPlan plan_of(int effort, std::size_t samples) {
   const int fewer = static_cast<int>(std::clamp<std::size_t>(samples / 160, 1, 5));
-  if (effort <= 1) return {30, 20, 0, 0, false};
+  if (effort <= 1) return {30, 20, 0, 0, false, 1};
   if (effort <= 2) return {60, 40, 3 / fewer, 0};
   if (effort <= 3) return {80, 60, 6 / fewer, 0};
   if (effort <= 5) return {100, 70, std::max(2, 7 / fewer), fewer > 2 ? 0 : 100};
@@ -121,8 +123,6 @@ class ClipSearch {
   static constexpr int most_at_once = 3;                  ///< a move and those that follow it if it fails
   static constexpr int stride = 3;                        ///< of the search, in quarters of an octave of step size
   static constexpr int finest = 24;                       ///< step exponent
-  /// Of the fewest bytes that a cut was trained to: what has more hardly ever ends as the smallest.
-  static constexpr double worth_correcting = 1.2;
 
   /// The bench of a trial that is made alone.
   Workbench& bench() {
@@ -153,7 +153,8 @@ class ClipSearch {
     std::size_t least = unlimited;
     for (const CutTrials& cut : cuts) least = std::min(least, cut.front().bytes);
     at_once(cuts.size(), [&](std::size_t k, Workbench& bench) {
-      const bool is_small = static_cast<double>(cuts[k].front().bytes) <= worth_correcting * static_cast<double>(least);
+      const bool is_small =
+          static_cast<double>(cuts[k].front().bytes) <= plan_.worth_correcting * static_cast<double>(least);
       if (is_small && (k == 0 || !context_.is_late())) finish_cut(bench, cuts[k]);
     });
     Trial best;
