@@ -21,12 +21,13 @@ constexpr float hopeless_repaired = 1.07f;
 
 constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
 
-class Finisher {
+/// What is done to one trial after its training: corrected, pruned, measured, counted.
+class TrialWork {
  public:
-  Finisher(const TrialClip& clip, Workbench& bench)
+  TrialWork(const TrialClip& clip, Workbench& bench)
       : context_(clip.context), prepared_(clip.prepared), clip_(clip.source), records_(clip.records), bench_(bench) {}
 
-  void run(std::size_t limit, bool prunes, Trial& trial) {
+  void finish(std::size_t limit, bool prunes, Trial& trial) {
     if (trial.bytes >= limit) return;
     LevelClip& levels = trial.levels;
     // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
@@ -36,8 +37,7 @@ class Finisher {
     if (trial.settings.iterations > 0 && context_.parts.refinement) {
       trial.usual_error = usual_error(levels);
       if (trial.is_hopeless()) return;
-      repair(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, aim * context_.bound.tolerance * 0.99,
-             threads());
+      repair(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal() * 0.99, threads());
       if (usual_error(levels) > hopeless_repaired) return;
     }
     trial.kept = bring_within_bound(levels, room);
@@ -45,8 +45,7 @@ class Finisher {
     if (trial.kept && prunes && context_.parts.refinement &&
         static_cast<double>(was) < worth_pruning * static_cast<double>(limit)) {
       LevelClip pruned = levels;
-      prune(pruned, prepared_.layout, prepared_.steps, map(), prepared_.wanted, aim * context_.bound.tolerance,
-            threads());
+      prune(pruned, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), threads());
       const bool ok = bring_within_bound(pruned, room);
       if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
     }
@@ -71,6 +70,7 @@ class Finisher {
  private:
   MotionMap& map() const { return bench_.map; }
   int threads() const { return bench_.threads; }
+  double goal() const { return aim * context_.bound.tolerance; }
 
   /// The median over the samples of the largest error, in units of the tolerance.
   float usual_error(const LevelClip& levels) const {
@@ -91,8 +91,8 @@ class Finisher {
     constexpr int rounds = 8, first_rounds = 3;
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
     for (int round = 0; round < rounds; ++round) {
-      if (!correct(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, aim * context_.bound.tolerance,
-                   strictness, most_atoms, threads()))
+      if (!correct(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), strictness, most_atoms,
+                   threads()))
         return false;
       if (context_.exact_ends)
         restore_ends(levels);
@@ -188,7 +188,7 @@ class Finisher {
       if (next == 0 || next == std::ssize(times)) continue;
       if (values.size() == 0) values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
       if (mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next,
-                       profile.seconds[k], aim * context_.bound.tolerance, values, levels))
+                       profile.seconds[k], goal(), values, levels))
         profile.max_error[k] = 0;
     }
     tidy_atoms(levels.atoms);
@@ -197,13 +197,13 @@ class Finisher {
   /// Makes the samples next to each time above the bound stricter, by `least` or more.
   void tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
     constexpr double most = 1.5;  // at once
-    const double bound = kept_share * context_.bound.tolerance, goal = aim * context_.bound.tolerance;
+    const double bound = kept_share * context_.bound.tolerance;
     const std::vector<float>& times = clip_.clip.times;
     SampleRow factor = SampleRow::Ones(strictness.size());
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
       if (profile.max_error[k] <= bound) continue;
       const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
-      const auto worse = static_cast<float>(std::clamp(profile.max_error[k] / goal, least, std::max(least, most)));
+      const auto worse = static_cast<float>(std::clamp(profile.max_error[k] / goal(), least, std::max(least, most)));
       for (const std::ptrdiff_t n : {next - 1, next})
         if (n >= 0 && n < strictness.size()) factor(n) = std::max(factor(n), worse);
     }
@@ -240,14 +240,14 @@ Trial train_trial(const TrialClip& clip, const SparseSettings& settings, const T
   Trial trial{.settings = settings, .state = std::move(trained.state), .levels = std::move(trained.levels)};
   trial.levels.times = clip.source.clip.times;
   trial.levels.states = prepared.layout.states;
-  const Finisher finisher(clip, bench);
-  trial.bytes = finisher.bytes_of(trial.levels);
-  finisher.record(trial);
+  const TrialWork work(clip, bench);
+  trial.bytes = work.bytes_of(trial.levels);
+  work.record(trial);
   return trial;
 }
 
 void finish_trial(const TrialClip& clip, std::size_t limit, bool prunes, Workbench& bench, Trial& trial) {
-  Finisher(clip, bench).run(limit, prunes, trial);
+  TrialWork(clip, bench).finish(limit, prunes, trial);
 }
 
 }  // namespace nmc::codec
