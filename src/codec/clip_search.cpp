@@ -26,8 +26,8 @@ struct SearchPlan {
 };
 
 /// Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
-SearchPlan plan_of(int effort, std::size_t samples) {
-  const int fewer = static_cast<int>(std::clamp<std::size_t>(samples / 160, 1, 5));
+SearchPlan plan_of(int effort, Eigen::Index samples) {
+  const int fewer = static_cast<int>(std::clamp<Eigen::Index>(samples / 160, 1, 5));
   if (effort <= 1) return {30, 20, 0, 0, false, 1};
   if (effort <= 2) return {60, 40, 3 / fewer, 0};
   if (effort <= 3) return {80, 60, 6 / fewer, 0};
@@ -90,7 +90,7 @@ class ClipSearch {
         tried_(tried),
         samples_(prepared.layout.values.cols()),
         clip_{context, prepared, context.source.clips[index], tried != nullptr},
-        plan_(plan_of(effort, static_cast<std::size_t>(samples_))) {
+        plan_(plan_of(effort, samples_)) {
     const int at_once = samples_ > memory_for_one ? 1 : std::clamp(context.threads, 1, most_at_once);
     for (int k = 0; k < at_once; ++k) benches_.push_back(make_workbench(clip_, 1));
   }
@@ -104,7 +104,7 @@ class ClipSearch {
     if (plan_.last_iterations > 0 && current.kept) {
       SparseSettings last = current.settings;
       last.iterations = plan_.last_iterations;
-      take(make(last, &current.state, best_bytes_));
+      make_and_take(last, &current.state);
     }
     if (best_) return *best_;
     SparseSettings plain = current.settings;
@@ -207,13 +207,13 @@ class ClipSearch {
   Trial first_within_bound(const Trial& coarse) {
     Trial trial = coarse;
     for (int k = 0; k < 4 && !trial.kept && !context_.is_late(); ++k)
-      trial = take(make(neighbour(trial, stride, 0.8, plan_.first_iterations), &trial.state, best_bytes_));
+      trial = make_and_take(neighbour(trial, stride, 0.8, plan_.first_iterations), &trial.state);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;
     plain.rate = 0.05;  // of the trainings that go on from here
     for (plain.step_exponent = 4; !trial.kept && plain.step_exponent <= finest; plain.step_exponent += 4)
-      trial = take(make(plain, nullptr, best_bytes_));
+      trial = make_and_take(plain, nullptr);
     return trial;
   }
 
@@ -249,8 +249,11 @@ class ClipSearch {
     }
   }
 
-  Trial make(const SparseSettings& settings, const TrainingState* start, std::size_t limit) {
-    return make(settings, start, limit, bench());
+  /// A trial made alone that may become the best one.
+  Trial make_and_take(const SparseSettings& settings, const TrainingState* start) {
+    Trial trial = make(settings, start, best_bytes_, bench());
+    take(trial);
+    return trial;
   }
 
   /// A trial that may get below `limit` bytes; an empty one where no time is left and there is something to take.
@@ -265,12 +268,11 @@ class ClipSearch {
   }
 
   /// Keeps what the trial is made of if it is the smallest, and what is recorded of it.
-  const Trial& take(const Trial& trial) {
+  void take(const Trial& trial) {
     if (tried_) tried_->insert(tried_->end(), trial.seen.begin(), trial.seen.end());
-    if (!trial.kept || trial.bytes >= best_bytes_) return trial;
+    if (!trial.kept || trial.bytes >= best_bytes_) return;
     best_bytes_ = trial.bytes;
     best_ = trial.levels;
-    return trial;
   }
 
   const SearchContext& context_;

@@ -41,15 +41,9 @@ class TrialWork {
       if (usual_error(levels) > hopeless_repaired) return;
     }
     trial.kept = bring_within_bound(levels, room);
-    const std::size_t was = bytes_of(levels);
-    if (trial.kept && prunes && context_.parts.refinement &&
-        static_cast<double>(was) < worth_pruning * static_cast<double>(limit)) {
-      LevelClip pruned = levels;
-      prune(pruned, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), threads());
-      const bool ok = bring_within_bound(pruned, room);
-      if (ok && bytes_of(pruned) < was) levels = std::move(pruned);
-    }
     trial.bytes = bytes_of(levels);
+    const bool is_small = static_cast<double>(trial.bytes) < worth_pruning * static_cast<double>(limit);
+    if (trial.kept && is_small && prunes && context_.parts.refinement) prune_levels(room, trial);
     record(trial);
   }
 
@@ -71,6 +65,17 @@ class TrialWork {
   MotionMap& map() const { return bench_.map; }
   int threads() const { return bench_.threads; }
   double goal() const { return aim * context_.bound.tolerance; }
+
+  /// Takes the pruned levels where they end with fewer bytes.
+  void prune_levels(std::size_t room, Trial& trial) {
+    LevelClip pruned = trial.levels;
+    prune(pruned, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), threads());
+    if (!bring_within_bound(pruned, room)) return;
+    const std::size_t bytes = bytes_of(pruned);
+    if (bytes >= trial.bytes) return;
+    trial.levels = std::move(pruned);
+    trial.bytes = bytes;
+  }
 
   /// The median over the samples of the largest error, in units of the tolerance.
   float usual_error(const LevelClip& levels) const {
