@@ -56,8 +56,8 @@ class ClipTransform {
     TrainedClip made = train_sparse(
         {.layout = &prepared_.layout,
          .steps = &prepared_.steps,
-         .offset = &prepared_.offset,
-         .emphasis = &prepared_.emphasis,
+         .offset = prepared_.offset,
+         .emphasis = prepared_.emphasis,
          .tolerance = context_.bound.tolerance,
          .threads = context_.threads},
         map_, {.basis = Basis::cosine, .boundaries = {0, samples}, .step_exponent = step_exponent, .iterations = 0});

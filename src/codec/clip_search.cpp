@@ -8,96 +8,31 @@
 
 #include "base/parallel.h"
 #include "codec/clip_trial.h"
-#include "codec/features.h"
-#include "codec/windows.h"
+#include "codec/excerpt.h"
+#include "codec/search_plan.h"
 
 namespace nmc::codec {
 namespace {
 
-/// How long the search for one clip may take, by effort.
-struct SearchPlan {
-  int first_iterations = 100;  ///< of the first training of each cut
-  int iterations = 100;        ///< of each later one, which starts where the best one ended
-  int trials = 8;              ///< later trainings
-  int last_iterations = 0;     ///< of one more at the best settings
-  bool prunes = true;          ///< takes from what is within the bound what the bound can do without
-  /// Of the fewest bytes that a cut was trained to, up to which a cut is corrected: more hardly ever ends as less.
-  double worth_correcting = 1.2;
-};
-
-/// Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
-SearchPlan plan_of(int effort, Eigen::Index samples) {
-  const int fewer = static_cast<int>(std::clamp<Eigen::Index>(samples / 160, 1, 5));
-  if (effort <= 1) return {30, 20, 0, 0, false, 1};
-  if (effort <= 2) return {60, 40, 3 / fewer, 0};
-  if (effort <= 3) return {80, 60, 6 / fewer, 0};
-  if (effort <= 5) return {100, 70, std::max(2, 7 / fewer), fewer > 2 ? 0 : 100};
-  if (effort <= 7) return {250, 200, 16, 400};
-  return {500, 400, 24, 1000};
-}
-
-/// The searches of an effort.
-std::vector<int> efforts_of(int effort) {
-  std::vector<int> efforts;
-  for (const int lower : {5, 7})
-    if (lower < effort) efforts.push_back(lower);
-  efforts.push_back(effort);
-  return efforts;
-}
-
-/// Longer clips are smallest with coarser steps and dearer bits.
-constexpr Eigen::Index short_samples = 120;
-
-/// Bases and windows worth trying for a clip. Most clips with jumps are smaller when these are taken out first.
-std::vector<SparseSettings> cuts_of(const SearchContext& context, const PreparedClip& clip, int effort, int threads) {
-  std::vector<SparseSettings> cuts;
-  const Eigen::Index samples = clip.layout.values.cols();
-  const bool loops = clip.loops, jumps = !clip.jumps.empty();
-  const auto whole = static_cast<std::uint32_t>(samples);
-  if (samples <= 400 && !loops) cuts.push_back({.basis = Basis::cosine, .boundaries = {0, whole}});
-  if (samples >= 8 && samples <= 400) {
-    // What is periodic would be wrong by opposite errors at the two ends of a spin.
-    const bool spins = (end_signs(clip.layout).array() < 0).any();
-    const Basis basis = loops && spins ? Basis::sine : Basis::periodic;
-    cuts.push_back({.basis = basis, .boundaries = {0, whole - 1}});
-  }
-  if (samples >= 8 && context.parts.fitted_windows)
-    cuts.push_back(
-        {.basis = Basis::sine,
-         .boundaries = fitted_windows(clip.layout, clip.steps, clip.jumps, samples > short_samples ? -6 : 1, threads)});
-  else if (samples > 200)
-    cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(static_cast<std::size_t>(samples), 128)});
-  for (SparseSettings& cut : cuts) {
-    cut.loops = loops;
-    cut.jumps = jumps;
-  }
-  if (jumps && effort > 2) {
-    const std::vector<SparseSettings> with = cuts;
-    for (SparseSettings cut : with) {
-      cut.jumps = false;
-      cuts.push_back(cut);
-    }
-  }
-  return cuts;
-}
+constexpr int most_at_once = 3;  ///< trials: a move and those that follow it if it fails
 
 class ClipSearch {
  public:
-  ClipSearch(const SearchContext& context, int effort, const PreparedClip& prepared, std::size_t index,
-             std::vector<Candidate>* tried)
-      : context_(context),
+  /// Makes up to `at_once` trials at once.
+  ClipSearch(const TrialClip& clip, int effort, const SearchPlan& plan, int at_once, std::vector<Candidate>* tried)
+      : context_(clip.context),
         effort_(effort),
         tried_(tried),
-        samples_(prepared.layout.values.cols()),
-        clip_{context, prepared, context.source.clips[index], tried != nullptr},
-        plan_(plan_of(effort, samples_)) {
-    const int at_once = samples_ > memory_for_one ? 1 : std::clamp(context.threads, 1, most_at_once);
+        samples_(clip.prepared.layout.values.cols()),
+        clip_(clip),
+        plan_(plan) {
     for (int k = 0; k < at_once; ++k) benches_.push_back(make_workbench(clip_, 1));
   }
 
-  LevelClip run() {
+  /// The smallest levels found from these cuts.
+  LevelClip run(std::vector<SparseSettings> cuts) {
     const bool from_each_cut = effort_ > 5;
-    Trial current = best_cut(from_each_cut);
+    Trial current = best_cut(std::move(cuts), from_each_cut);
     const bool searched = from_each_cut && current.kept;
     if (!current.kept) current = first_within_bound(current);
     if (current.kept && !searched) descend(current);
@@ -106,23 +41,54 @@ class ClipSearch {
       last.iterations = plan_.last_iterations;
       make_and_take(last, &current.state);
     }
-    if (best_) return *best_;
-    SparseSettings plain = current.settings;
-    plain.iterations = 0;
-    plain.jumps = false;
-    plain.step_exponent = finest;
-    return train_trial(clip_, plain, nullptr, bench()).levels;
+    return result(current.settings);
+  }
+
+  /// The trainings, one going on from the other, that led to the smallest levels found from these cuts; the last one
+  /// longer by plan.last_iterations.
+  std::vector<SparseSettings> best_trainings(std::vector<SparseSettings> cuts) {
+    Trial current = best_cut(std::move(cuts), false);
+    if (!current.kept) current = first_within_bound(current);
+    if (current.kept) descend(current);
+    std::vector<SparseSettings> trainings = std::move(current.earlier);
+    trainings.push_back(current.settings);
+    if (current.settings.iterations > 0) trainings.back().iterations += plan_.last_iterations;
+    return trainings;
+  }
+
+  /// What these trainings lead to, one going on from the other.
+  LevelClip run_trainings(const std::vector<SparseSettings>& trainings) {
+    CutTrials trials(1);
+    Trial& trained = trials.front();
+    for (std::size_t k = 0; k < trainings.size() && (k == 0 || !context_.is_late()); ++k) {
+      SparseSettings settings = trainings[k];
+      if (context_.is_late()) settings.iterations = 0;
+      const TrainingState start = std::move(trained.state);
+      trained = train_trial(clip_, settings, k > 0 ? &start : nullptr, bench());
+    }
+    finish_cut(bench(), trials);
+    for (const Trial& trial : trials) take(trial);
+    Trial& last = trials.back();
+    return result(last.kept ? last.settings : first_within_bound(last).settings);
   }
 
   /// Of what run found; the largest number where nothing is within the bound.
   std::size_t bytes() const { return best_bytes_; }
 
  private:
-  static constexpr Eigen::Index worth_threads = 1000;     ///< samples from which threads help a single trial
-  static constexpr Eigen::Index memory_for_one = 20'000;  ///< samples from which trials at once take too much memory
-  static constexpr int most_at_once = 3;                  ///< a move and those that follow it if it fails
-  static constexpr int stride = 3;                        ///< of the search, in quarters of an octave of step size
-  static constexpr int finest = 24;                       ///< step exponent
+  static constexpr Eigen::Index worth_threads = 500;  ///< samples from which threads help a single trial
+  static constexpr int stride = 3;                    ///< of the search, in quarters of an octave of step size
+  static constexpr int finest = 24;                   ///< step exponent
+
+  /// The smallest levels found; where none are within the bound, the transform at the finest steps.
+  LevelClip result(const SparseSettings& last) {
+    if (best_) return *best_;
+    SparseSettings plain = last;
+    plain.iterations = 0;
+    plain.jumps = false;
+    plain.step_exponent = finest;
+    return train_trial(clip_, plain, nullptr, bench()).levels;
+  }
 
   /// The bench of a trial that is made alone.
   Workbench& bench() {
@@ -148,8 +114,8 @@ class ClipSearch {
   using CutTrials = std::vector<Trial>;
 
   /// The best of the first trials of all cuts, or of what is found from each of them.
-  Trial best_cut(bool from_each_cut) {
-    std::vector<CutTrials> cuts = trained_cuts();
+  Trial best_cut(std::vector<SparseSettings> settings, bool from_each_cut) {
+    std::vector<CutTrials> cuts = trained_cuts(std::move(settings));
     std::size_t least = unlimited;
     for (const CutTrials& cut : cuts) least = std::min(least, cut.front().bytes);
     at_once(cuts.size(), [&](std::size_t k, Workbench& bench) {
@@ -168,14 +134,12 @@ class ClipSearch {
   }
 
   /// One trial of each cut, not corrected; where no time is left, of the first alone.
-  std::vector<CutTrials> trained_cuts() {
-    const bool is_long = samples_ > short_samples;
-    std::vector<SparseSettings> settings = cuts_of(context_, clip_.prepared, effort_, bench().threads);
+  std::vector<CutTrials> trained_cuts(std::vector<SparseSettings> settings) {
     std::vector<CutTrials> cuts(settings.size());
     at_once(cuts.size(), [&](std::size_t k, Workbench& bench) {
       const bool is_late = context_.is_late();
-      settings[k].step_exponent = is_long ? -2 : 1;
-      settings[k].rate = is_long ? 0.45 : 0.2;
+      settings[k].step_exponent = plan_.first_exponent;
+      settings[k].rate = plan_.first_rate;
       settings[k].iterations = is_late ? 0 : plan_.first_iterations;
       cuts[k].push_back(is_late && k > 0 ? Trial{.settings = settings[k]}
                                          : train_trial(clip_, settings[k], nullptr, bench));
@@ -192,6 +156,8 @@ class ClipSearch {
     if (!first.is_hopeless() || context_.is_late()) return;
     const int finer = std::clamp(static_cast<int>(std::lround(4 * std::log2(first.usual_error))), 1, most);
     Trial again = make(neighbour(first, finer, 1, plan_.iterations), &first.state, unlimited, bench);
+    again.earlier = first.earlier;
+    again.earlier.push_back(first.settings);
     trials.push_back(std::move(again));
   }
 
@@ -207,7 +173,7 @@ class ClipSearch {
   Trial first_within_bound(const Trial& coarse) {
     Trial trial = coarse;
     for (int k = 0; k < 4 && !trial.kept && !context_.is_late(); ++k)
-      trial = make_and_take(neighbour(trial, stride, 0.8, plan_.first_iterations), &trial.state);
+      go_on(trial, make_and_take(neighbour(trial, stride, 0.8, plan_.first_iterations), &trial.state));
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;
@@ -239,7 +205,7 @@ class ClipSearch {
         --left;
         take(trial);
         if (trial.beats(current)) {
-          current = std::move(trial);
+          go_on(current, std::move(trial));
           failed = 0;
           break;
         }
@@ -247,6 +213,13 @@ class ClipSearch {
         at = (at + 1) % moves.size();
       }
     }
+  }
+
+  /// Replaces a trial by one that went on from it.
+  static void go_on(Trial& from, Trial to) {
+    to.earlier = std::move(from.earlier);
+    to.earlier.push_back(from.settings);
+    from = std::move(to);
   }
 
   /// A trial made alone that may become the best one.
@@ -286,21 +259,62 @@ class ClipSearch {
   std::size_t best_bytes_ = unlimited;
 };
 
+struct Found {
+  LevelClip levels;
+  std::size_t bytes;  ///< ClipSearch::bytes
+};
+
+/// Settings are searched on the excerpt, then all of the clip takes them.
+Found search_on_excerpt(const TrialClip& clip, int effort, const std::vector<SparseSettings>& cuts,
+                        const Excerpt& excerpt, std::vector<Candidate>* tried) {
+  const SearchContext& context = clip.context;
+  const SearchPlan plan = excerpt_plan_of(effort, std::ssize(clip.prepared.offset));
+  const TrialClip part{context, excerpt.clip, excerpt.source, clip.records, excerpt.share};
+  std::vector<SparseSettings> cuts_of_part = cuts;
+  for (SparseSettings& cut : cuts_of_part) {
+    cut.boundaries = excerpt.boundaries;
+    cut.loops = false;
+  }
+  const int at_once = std::clamp(context.threads, 1, most_at_once);
+  std::vector<SparseSettings> trainings =
+      ClipSearch(part, effort, plan, at_once, tried).best_trainings(std::move(cuts_of_part));
+  for (SparseSettings& training : trainings) {
+    training.boundaries = cuts.front().boundaries;
+    training.loops = cuts.front().loops;
+  }
+  ClipSearch search(clip, effort, plan, 1, tried);
+  LevelClip levels = search.run_trainings(trainings);
+  return {std::move(levels), search.bytes()};
+}
+
+Found search_at(const TrialClip& clip, int effort, std::vector<Candidate>* tried) {
+  constexpr Eigen::Index memory_for_one = 20'000;  // samples from which trials at once take too much memory
+  const Eigen::Index samples = clip.prepared.layout.values.cols();
+  std::vector<SparseSettings> cuts = cuts_of(clip.context, clip.prepared, effort);
+  if (const Eigen::Index part = excerpt_samples(effort, samples); part > 0)
+    if (const std::optional<Excerpt> excerpt = excerpt_of(clip.prepared, cuts.front().boundaries, part))
+      return search_on_excerpt(clip, effort, cuts, *excerpt, tried);
+  const int at_once = samples > memory_for_one ? 1 : std::clamp(clip.context.threads, 1, most_at_once);
+  ClipSearch search(clip, effort, plan_of(effort, samples), at_once, tried);
+  LevelClip levels = search.run(std::move(cuts));
+  return {std::move(levels), search.bytes()};
+}
+
 }  // namespace
 
 std::vector<LevelClip> search_clip(const SearchContext& context, const PreparedClip& prepared, std::size_t index,
                                    std::vector<Candidate>* tried) {
+  const TrialClip clip{context, prepared, context.source.clips[index], tried != nullptr};
   // Longer trainings end elsewhere, not always at fewer bytes: high efforts have what the lower ones find as well.
   std::vector<LevelClip> found;
   std::size_t least = unlimited;
   for (const int effort : efforts_of(context.effort)) {
     if (least != unlimited && context.is_late()) break;
-    ClipSearch search(context, effort, prepared, index, tried);
-    LevelClip levels = search.run();
-    if (!found.empty() && search.bytes() >= least) continue;
+    Found one = search_at(clip, effort, tried);
+    if (!found.empty() && one.bytes >= least) continue;
     if (least == unlimited) found.clear();  // not within the tolerance
-    least = search.bytes();
-    found.push_back(std::move(levels));
+    least = one.bytes;
+    found.push_back(std::move(one.levels));
   }
   if (!tried) return found;
   const auto smaller = [](const Candidate& a, const Candidate& b) {

@@ -25,7 +25,12 @@ constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
 class TrialWork {
  public:
   TrialWork(const TrialClip& clip, Workbench& bench)
-      : context_(clip.context), prepared_(clip.prepared), clip_(clip.source), records_(clip.records), bench_(bench) {}
+      : context_(clip.context),
+        prepared_(clip.prepared),
+        clip_(clip.source),
+        records_(clip.records),
+        share_(clip.share),
+        bench_(bench) {}
 
   void finish(std::size_t limit, bool prunes, Trial& trial) {
     if (trial.bytes >= limit) return;
@@ -49,6 +54,12 @@ class TrialWork {
 
   void record(Trial& trial) const {
     if (!records_) return;
+    if (is_excerpt()) {
+      const auto whole = static_cast<std::size_t>(std::lround(static_cast<double>(trial.bytes) / share_));
+      const double error = std::sqrt(static_cast<double>(square_errors(trial.levels).maxCoeff()));
+      trial.seen.push_back({whole, error, false, false, basis_name(trial.settings.basis), trial.settings.jumps});
+      return;
+    }
     const motion::ErrorProfile profile = error_profile(trial.levels);
     trial.seen.push_back({trial.bytes, *std::max_element(profile.max_error.begin(), profile.max_error.end()),
                           trial.kept, false, basis_name(trial.settings.basis), trial.settings.jumps});
@@ -77,13 +88,21 @@ class TrialWork {
     trial.bytes = bytes;
   }
 
-  /// The median over the samples of the largest error, in units of the tolerance.
-  float usual_error(const LevelClip& levels) const {
+  bool is_excerpt() const { return share_ < 1; }
+
+  /// Per sample the largest squared error.
+  SampleRow square_errors(const LevelClip& levels) const {
     const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
     const Rows error = map().positions(values, threads()) - prepared_.wanted;
     SampleRow largest = SampleRow::Zero(error.cols());
     for (Eigen::Index q = 0; q < map().seen_count(); ++q)
       largest = largest.max(error.middleRows(map().first_row(q), map().row_count(q)).square().colwise().sum());
+    return largest;
+  }
+
+  /// The median over the samples of the largest error, in units of the tolerance.
+  float usual_error(const LevelClip& levels) const {
+    SampleRow largest = square_errors(levels);
     const auto middle = largest.begin() + largest.size() / 2;
     std::nth_element(largest.begin(), middle, largest.end());
     return std::sqrt(*middle) / static_cast<float>(context_.bound.tolerance);
@@ -95,6 +114,9 @@ class TrialWork {
     if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
     constexpr int rounds = 8, first_rounds = 3;
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
+    if (is_excerpt())
+      return correct(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), strictness, most_atoms,
+                     threads());
     for (int round = 0; round < rounds; ++round) {
       if (!correct(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), strictness, most_atoms,
                    threads()))
@@ -219,6 +241,7 @@ class TrialWork {
   const PreparedClip& prepared_;
   const ClipSource& clip_;
   bool records_;
+  double share_;
   Workbench& bench_;
 };
 
@@ -234,13 +257,14 @@ Trial train_trial(const TrialClip& clip, const SparseSettings& settings, const T
   const PreparedClip& prepared = clip.prepared;
   TrainedClip trained = train_sparse({.layout = &prepared.layout,
                                       .steps = &prepared.steps,
-                                      .offset = &prepared.offset,
-                                      .emphasis = &prepared.emphasis,
+                                      .offset = prepared.offset,
+                                      .emphasis = prepared.emphasis,
                                       .tolerance = clip.context.bound.tolerance,
                                       .threads = bench.threads,
                                       .parts = clip.context.parts,
                                       .atoms = &prepared.jumps,
-                                      .start = start},
+                                      .start = start,
+                                      .is_late = clip.context.is_late},
                                      bench.map, settings);
   Trial trial{.settings = settings, .state = std::move(trained.state), .levels = std::move(trained.levels)};
   trial.levels.times = clip.source.clip.times;

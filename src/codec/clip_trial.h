@@ -19,6 +19,7 @@ inline constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max()
 
 struct Trial {
   SparseSettings settings;
+  std::vector<SparseSettings> earlier{};  ///< of the trainings that it goes on from
   TrainingState state{};
   LevelClip levels{};
   std::size_t bytes = unlimited;
@@ -38,6 +39,9 @@ struct TrialClip {
   const PreparedClip& prepared;
   const ClipSource& source;
   bool records = false;  ///< Trial::seen is wanted
+  /// Of the clip's samples. An excerpt, below 1, has no curves of the file: the bound is kept at its samples, whatever
+  /// is between them.
+  double share = 1;
 };
 
 /// What one trial at a time is made with.

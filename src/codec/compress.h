@@ -54,7 +54,7 @@ enum class Outcome {
 
 /// Something that the search for a clip's smallest bytes has tried.
 struct Candidate {
-  std::size_t bytes = 0;  ///< of the clip alone
+  std::size_t bytes = 0;  ///< of the clip alone; by an excerpt of a long clip, in proportion
   double error = 0;       ///< the largest, world units, at every key and between, over all points
   bool kept = false;      ///< corrected, and within the tolerance
   bool chosen = false;

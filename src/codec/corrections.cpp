@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -30,6 +31,8 @@ class Corrector {
         map_(map),
         wanted_(wanted),
         bound_(bound),
+        aim_(aimed_share * bound),
+        asked_(strictness),
         strictness_(strictness),
         threads_(threads),
         samples_(layout.values.cols()),
@@ -38,27 +41,94 @@ class Corrector {
         worst_point_of_(static_cast<std::size_t>(samples_)) {}
 
   bool run(std::size_t most_atoms) {
-    std::size_t changes = 0;
     for (int round = 0; round < rounds; ++round) {
       values_ = values_of_levels(clip_, steps_, samples_);
-      error_ = (map_.positions(values_, threads_) - wanted_).rowwise() * strictness_;
+      error_ = (map_.positions(values_, threads_) - wanted_).rowwise() * asked_;
       measure(0, samples_);
-      if (largest().second <= bound_) return true;
+      if (static_cast<double>(worst_square_.maxCoeff()) <= bound_ * bound_) return true;
       map_.linearise(0.5 * (values_ + layout_.values), threads_);
       restored_.assign(static_cast<std::size_t>(samples_), 0);
+      if (round > 0) aim_lower();
+      hand_out_atoms();
       if (round >= linear_rounds) restore_all();
-      // Linear predictions are off by a little: aim lower each time.
-      aim_ = bound_ * (0.995 - 0.02 * round);
-      while (largest().second > aim_) {
-        if (clip_.atoms.size() >= most_atoms || ++changes > 2 * most_atoms || !add_atom()) return false;
-      }
-      tidy_atoms(clip_.atoms);
+      const bool reached = reach_aim(most_atoms);
+      collect_atoms();
+      if (!reached) return false;
     }
     return false;
   }
 
  private:
   static constexpr int rounds = 8, linear_rounds = 2, most_restorations = 3;
+  static constexpr double aimed_share = 0.995;
+
+  /// Samples that one thread corrects while others correct those of every other stretch: an atom at one of them changes
+  /// nothing beyond the next stretch.
+  struct Stretch {
+    Eigen::Index first = 0, end = 0;
+    std::vector<LevelAtom> atoms;  ///< at its samples
+    std::size_t changes = 0;
+    bool is_stuck = false;  ///< nothing brings its worst point nearer to the bound
+  };
+  static constexpr Eigen::Index stretch_samples = 256;
+  static_assert(stretch_samples >= Eigen::Index{2} << widest);
+
+  void hand_out_atoms() {
+    stretches_.clear();
+    for (Eigen::Index first = 0; first < samples_; first += stretch_samples)
+      stretches_.push_back({first, std::min(samples_, first + stretch_samples), {}});
+    for (const LevelAtom& atom : clip_.atoms) stretch_at(static_cast<Eigen::Index>(atom.sample)).atoms.push_back(atom);
+  }
+
+  void collect_atoms() {
+    clip_.atoms.clear();
+    for (const Stretch& stretch : stretches_)
+      clip_.atoms.insert(clip_.atoms.end(), stretch.atoms.begin(), stretch.atoms.end());
+    tidy_atoms(clip_.atoms);
+  }
+
+  Stretch& stretch_at(Eigen::Index sample) { return stretches_[static_cast<std::size_t>(sample / stretch_samples)]; }
+
+  /// Adds atoms until every sample is within the aim by the linear map. False where that takes too many, or none help.
+  bool reach_aim(std::size_t most_atoms) {
+    while (static_cast<double>(worst_square_.maxCoeff()) > aim_ * aim_) {
+      for (const std::size_t parity : {std::size_t{0}, std::size_t{1}})
+        parallel_for((stretches_.size() + 1 - parity) / 2, threads_,
+                     [&](std::size_t k) { add_atoms(stretches_[2 * k + parity]); });
+      std::size_t atoms = 0, changes = 0;
+      for (const Stretch& stretch : stretches_) {
+        if (stretch.is_stuck) return false;
+        atoms += stretch.atoms.size();
+        changes += stretch.changes;
+      }
+      if (atoms > most_atoms || changes > 2 * most_atoms) return false;
+    }
+    return true;
+  }
+
+  /// Some of the atoms that a stretch needs.
+  void add_atoms(Stretch& stretch) {
+    constexpr int at_once = 16;
+    for (int k = 0; k < at_once; ++k) {
+      Eigen::Index n = 0;
+      const double most = worst_square_.segment(stretch.first, stretch.end - stretch.first).maxCoeff(&n);
+      if (most <= aim_ * aim_) return;
+      ++stretch.changes;
+      stretch.is_stuck = !add_atom(stretch.first + n);
+      if (stretch.is_stuck) return;
+    }
+  }
+
+  /// Linear predictions are off by a little: where they were, more is asked for.
+  void aim_lower() {
+    constexpr float more = 1.02f;
+    SampleRow raised = strictness_ / asked_;
+    for (Eigen::Index n = 0; n < samples_; ++n)
+      if (static_cast<double>(worst_square_(n)) > bound_ * bound_) raised(n) *= more;
+    strictness_ = asked_ * raised;
+    error_.rowwise() *= raised;
+    measure(0, samples_);
+  }
 
   /// Finds the largest error of each of some samples anew.
   void measure(Eigen::Index from, Eigen::Index count) {
@@ -75,17 +145,12 @@ class Corrector {
     }
   }
 
-  std::pair<Eigen::Index, double> largest() {
-    Eigen::Index at = 0;
-    const double most = worst_square_.maxCoeff(&at);
-    worst_point_ = worst_point_of_[static_cast<std::size_t>(at)];
-    return {at, std::sqrt(most)};
-  }
+  Eigen::Index worst_point(Eigen::Index n) const { return worst_point_of_[static_cast<std::size_t>(n)]; }
 
   /// The moving parameters that could take most of the worst point's error away: by |J^T e| a step.
-  std::vector<Eigen::Index> promising(Eigen::Index n, std::size_t most) {
+  std::vector<Eigen::Index> promising(Eigen::Index n, std::size_t most) const {
     Rows weight = Rows::Zero(error_.rows(), 1), gradient;
-    const Eigen::Index first = map_.first_row(worst_point_), count = map_.row_count(worst_point_);
+    const Eigen::Index first = map_.first_row(worst_point(n)), count = map_.row_count(worst_point(n));
     weight.col(0).segment(first, count) = error_.col(n).segment(first, count);
     map_.gradient(weight, gradient, n);
     std::vector<std::pair<double, Eigen::Index>> ranked;
@@ -105,8 +170,8 @@ class Corrector {
   /// most of its error away, and smaller ones.
   std::vector<std::int32_t> levels_for(const Eigen::Array3f& pull, Eigen::Index n, double step) const {
     double ee = 0, ej = 0, jj = 0;
-    for (Eigen::Index a = 0; a < map_.row_count(worst_point_); ++a) {
-      const double e = error_(map_.first_row(worst_point_) + a, n), j = pull(a);
+    for (Eigen::Index a = 0; a < map_.row_count(worst_point(n)); ++a) {
+      const double e = error_(map_.first_row(worst_point(n)) + a, n), j = pull(a);
       ee += e * e;
       ej += e * j;
       jj += j * j;
@@ -143,57 +208,90 @@ class Corrector {
     }
   }
 
-  /// The best atom of one parameter at sample n.
-  std::optional<Candidate> best_atom(Eigen::Index moving, Eigen::Index n) const {
-    std::optional<Candidate> best;
-    const Eigen::Index reach = (Eigen::Index{1} << widest) - 1;
+  /// Atoms of one level, tried at ever larger widths as long as that gains.
+  struct Growth {
+    std::int32_t level = 0;
+    double last_gain = 0;
+    int falls = 0;  ///< in a row
+
+    bool goes_on() const { return falls < 2; }
+  };
+
+  /// What one unit of a parameter does around sample n, as far as atoms of this width reach.
+  Effect effect_around(Eigen::Index moving, Eigen::Index n, int width) const {
+    const Eigen::Index reach = (Eigen::Index{1} << width) - 1;
     const Eigen::Index from = std::max<Eigen::Index>(0, n - reach), end = std::min(samples_, n + reach + 1);
     Effect effect = map_.effect(moving, from, end - from);
     effect.values.rowwise() *= strictness_.segment(from, end - from);
-    const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point_) - effect.points.begin();
-    if (at == std::ssize(effect.points)) return best;
+    return effect;
+  }
+
+  /// The best atom of one parameter at sample n. Most are narrow: what is farther away is looked at only as needed.
+  std::optional<Candidate> best_atom(Eigen::Index moving, Eigen::Index n) const {
+    constexpr std::array<int, 3> stages{2, 4, widest};
     const double step = step_of(moving);
-    const std::vector<std::int32_t> levels = levels_for(effect.values.col(n - from).segment<3>(3 * at), n, step);
+    std::optional<Candidate> best;
+    std::vector<Growth> growths;
     std::int32_t largest_level = 0;
-    for (const std::int32_t level : levels) largest_level = std::max(largest_level, std::abs(level));
-    const std::vector<std::size_t> endangered =
-        map_.endangered(effect, from, end - from, static_cast<float>(largest_level * step), error_,
-                        static_cast<float>(aim_) * std::sqrt(free_share));
-    SampleRow before, after;
-    excess(effect, endangered, from, SampleRow::Zero(end - from), before);
-    for (const std::int32_t level : levels) {
-      double last_gain = 0;
-      int falls = 0;
-      for (int width = 0; width <= widest && falls < 2; ++width) {
-        const Eigen::Index half = (Eigen::Index{1} << width) - 1;
-        const Eigen::Index first = std::max(from, n - half), last = std::min(end, n + half + 1);
-        SampleRow shares(last - first);
-        for (Eigen::Index m = first; m < last; ++m)
-          shares(m - first) = static_cast<float>(level * step * atom_share(std::abs(m - n), width));
-        excess(effect, endangered, first, shares, after);
-        const double fall = static_cast<double>((before.segment(first - from, last - first) - after).sum());
-        const double gain = fall / (18 + 2 * std::log2(std::abs(level) + 1));
-        falls = gain < last_gain ? falls + 1 : 0;
-        last_gain = gain;
-        if (gain > 0 && (!best || gain > best->gain)) {
-          best =
-              Candidate{{static_cast<std::uint32_t>(n), static_cast<int>(parameter(moving)), width, level}, gain, {}};
+    Effect effect;
+    for (int width = 0; const int last_width : stages) {
+      effect = effect_around(moving, n, last_width);
+      if (last_width == stages.front()) {
+        const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point(n)) - effect.points.begin();
+        if (at == std::ssize(effect.points)) return best;
+        for (const std::int32_t level : levels_for(effect.values.col(n - effect.from).segment<3>(3 * at), n, step)) {
+          growths.push_back({level});
+          largest_level = std::max(largest_level, std::abs(level));
         }
       }
+      grow({n, static_cast<int>(parameter(moving))}, effect, static_cast<float>(largest_level * step), width,
+           last_width, growths, best);
+      width = last_width + 1;
+      if (std::none_of(growths.begin(), growths.end(), [](const Growth& g) { return g.goes_on(); })) break;
     }
     if (best) best->effect = std::move(effect);
     return best;
   }
 
-  bool add_atom() {
-    const Eigen::Index n = largest().first;
+  struct Place {
+    Eigen::Index sample = 0;
+    int parameter = 0;
+  };
+
+  /// Tries atoms of some widths within an effect; none moves a point by more than `most` times the effect.
+  void grow(const Place& place, const Effect& effect, float most, int first_width, int last_width,
+            std::vector<Growth>& growths, std::optional<Candidate>& best) const {
+    const Eigen::Index from = effect.from, end = from + effect.values.cols(), n = place.sample;
+    const double step = steps_.anchor(place.parameter);
+    const std::vector<std::size_t> endangered =
+        map_.endangered(effect, from, end - from, most, error_, static_cast<float>(aim_) * std::sqrt(free_share));
+    SampleRow before, after;
+    excess(effect, endangered, from, SampleRow::Zero(end - from), before);
+    for (Growth& growth : growths)
+      for (int width = first_width; width <= last_width && growth.goes_on(); ++width) {
+        const Eigen::Index half = (Eigen::Index{1} << width) - 1;
+        const Eigen::Index first = std::max(from, n - half), last = std::min(end, n + half + 1);
+        SampleRow shares(last - first);
+        for (Eigen::Index m = first; m < last; ++m)
+          shares(m - first) = static_cast<float>(growth.level * step * atom_share(std::abs(m - n), width));
+        excess(effect, endangered, first, shares, after);
+        const double fall = static_cast<double>((before.segment(first - from, last - first) - after).sum());
+        const double gain = fall / (18 + 2 * std::log2(std::abs(growth.level) + 1));
+        growth.falls = gain < growth.last_gain ? growth.falls + 1 : 0;
+        growth.last_gain = gain;
+        if (gain > 0 && (!best || gain > best->gain))
+          best = Candidate{{static_cast<std::uint32_t>(n), place.parameter, width, growth.level}, gain, {}};
+      }
+  }
+
+  /// At sample n, the worst of its stretch.
+  bool add_atom(Eigen::Index n) {
     std::optional<Candidate> best;
     for (const std::size_t most : {std::size_t{4}, std::size_t{24}}) {
-      const std::vector<Eigen::Index> parameters = promising(n, most);
-      std::vector<std::optional<Candidate>> candidates(parameters.size());
-      parallel_for(parameters.size(), threads_, [&](std::size_t k) { candidates[k] = best_atom(parameters[k], n); });
-      for (std::optional<Candidate>& candidate : candidates)
+      for (const Eigen::Index parameter : promising(n, most)) {
+        std::optional<Candidate> candidate = best_atom(parameter, n);
         if (candidate && (!best || candidate->gain > best->gain)) best = std::move(candidate);
+      }
       if (best) break;
     }
     if (!best) return settle_sample(n) || restore_sample(n);
@@ -203,7 +301,7 @@ class Corrector {
   }
 
   void put(const LevelAtom& atom) {
-    put_atom(atom, clip_.atoms);
+    put_atom(atom, stretch_at(static_cast<Eigen::Index>(atom.sample)).atoms);
     add_atom_values(atom, clip_, steps_, values_);
   }
 
@@ -332,7 +430,7 @@ class Corrector {
 
   /// Removes the atoms of sample n alone: where the map was wrong, they made things worse.
   void take_back(Eigen::Index n) {
-    std::erase_if(clip_.atoms, [&](LevelAtom atom) {
+    std::erase_if(stretch_at(n).atoms, [&](LevelAtom atom) {
       if (atom.sample != static_cast<std::uint32_t>(n) || atom.width != 0) return false;
       atom.level = -atom.level;
       add_atom_values(atom, clip_, steps_, values_);
@@ -360,16 +458,16 @@ class Corrector {
   const ParameterSteps& steps_;
   MotionMap& map_;
   const Rows& wanted_;
-  double bound_, aim_ = 0;
-  SampleRow strictness_;
+  double bound_, aim_;
+  SampleRow asked_, strictness_;  ///< by the caller, and with what is aimed lower
   int threads_;
   Eigen::Index samples_, moving_;
-  Eigen::Index worst_point_ = 0;
   SampleRow worst_square_;                    ///< per sample: the largest squared error
   std::vector<Eigen::Index> worst_point_of_;  ///< per sample
   Rows error_;                                ///< times the strictness
   Eigen::MatrixXd values_;                    ///< what the levels mean, all parameters x samples
   std::vector<int> restored_;                 ///< per sample: how often
+  std::vector<Stretch> stretches_;
 };
 
 }  // namespace

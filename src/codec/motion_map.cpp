@@ -190,6 +190,11 @@ void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, 
   }
 }
 
+void MotionMap::forget() {
+  samples_ = 0;
+  rows_.resize(lanes, 0);
+}
+
 void MotionMap::linearise(const Eigen::MatrixXd& values, int threads) {
   samples_ = values.cols();
   rows_.setZero(lanes, row_count_ * block_count());

@@ -84,6 +84,9 @@ class MotionMap {
   /// Makes the linear map at these values.
   void linearise(const Eigen::MatrixXd& values, int threads = 1);
 
+  /// Drops the linear map and its memory.
+  void forget();
+
   /// error = J delta; delta is free parameters x samples, for the samples from `from` on.
   void errors(const Rows& delta, Rows& error, Eigen::Index from = 0) const;
 

@@ -21,6 +21,23 @@ bool is_loop(const Rows& positions, Eigen::Index points, double size) {
   return std::sqrt(static_cast<double>(most)) <= motion::loop_gap * size;
 }
 
+/// How many samples take turns in training: two where half of the samples tell where the others are, as at high rates.
+Eigen::Index turns_of(const Rows& positions, Eigen::Index points, double tolerance) {
+  constexpr Eigen::Index fewest = 500;
+  constexpr double told = 0.5;  // of the tolerance, most often
+  const Eigen::Index inner = positions.cols() - 2;
+  if (positions.cols() < fewest) return 1;
+  SampleRow largest = SampleRow::Zero(inner);
+  for (Eigen::Index q = 0; q < points; ++q) {
+    const auto point = positions.middleRows(3 * q, 3);
+    const Rows bend = point.middleCols(1, inner) - 0.5f * (point.leftCols(inner) + point.rightCols(inner));
+    largest = largest.max(bend.square().colwise().sum());
+  }
+  const auto middle = largest.begin() + inner / 2;
+  std::nth_element(largest.begin(), middle, largest.end());
+  return std::sqrt(static_cast<double>(*middle)) <= told * tolerance ? 2 : 1;
+}
+
 }  // namespace
 
 PreparedClip prepare_clip(const SearchContext& context, std::size_t index, double contact_weight) {
@@ -38,11 +55,12 @@ PreparedClip prepare_clip(const SearchContext& context, std::size_t index, doubl
     return MotionMap(context.source.skeleton, context.frame, clip.layout, points, fixed).positions(clip.layout.values);
   };
   clip.wanted = positions(clip.layout.values);
-  clip.offset = in_blocks(positions(coded) - clip.wanted);
+  const Eigen::Index turns = turns_of(clip.wanted, static_cast<Eigen::Index>(points.size()), context.bound.tolerance);
+  clip.offset = in_turns(positions(coded) - clip.wanted, turns);
   clip.coded = coded.col(0);
   clip.loops = is_loop(clip.wanted, static_cast<Eigen::Index>(points.size()), context.source.size);
   clip.emphasis =
-      in_blocks(contact_emphasis(clip.wanted, points.size(), motion.times, context.source.size, contact_weight));
+      in_turns(contact_emphasis(clip.wanted, points.size(), motion.times, context.source.size, contact_weight), turns);
   return clip;
 }
 

@@ -19,12 +19,12 @@ namespace nmc::codec {
 struct PreparedClip {
   ClipLayout layout;
   ParameterSteps steps;
-  Eigen::MatrixXd coded;         ///< the first sample, fixed targets as they are coded
-  Rows wanted;                   ///< positions of the points of the bound
-  LaneRows offset;               ///< in blocks: what the rounding of fixed targets moves them by
-  std::vector<LevelAtom> jumps;  ///< taken out before training
-  bool loops = false;            ///< the last pose is the first one again
-  LaneRows emphasis;             ///< in blocks, points x samples: how much an error counts
+  Eigen::MatrixXd coded;           ///< the first sample, fixed targets as they are coded
+  Rows wanted;                     ///< positions of the points of the bound
+  std::vector<LaneRows> offset;    ///< TrainingInput::offset: what the rounding of fixed targets moves the points by
+  std::vector<LevelAtom> jumps;    ///< taken out before training
+  bool loops = false;              ///< the last pose is the first one again
+  std::vector<LaneRows> emphasis;  ///< TrainingInput::emphasis: how much an error counts
 };
 
 /// The part of the tolerance up to which a measured error is taken as kept.

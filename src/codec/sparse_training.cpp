@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "codec/atoms.h"
 #include "codec/features.h"
 #include "codec/level_prices.h"
@@ -39,11 +40,25 @@ struct Trained {
 struct Window {
   Eigen::Index first = 0, samples = 0;  ///< owned samples
   std::uint32_t length = 1;
-  Matrix features;       ///< count x samples
-  Matrix shares;         ///< 2 x samples
-  Eigen::VectorXf step;  ///< per parameter
-  Matrix price;          ///< parameters x count: of a bit of the smooth rate
-  Trained weights;       ///< parameters x count
+  std::vector<Matrix> features;  ///< per turn: count x its samples
+  Matrix shares;                 ///< 2 x samples
+  Eigen::VectorXf step;          ///< per parameter
+  Matrix price;                  ///< parameters x count: of a bit of the smooth rate
+  Trained weights;               ///< parameters x count
+};
+
+/// Every so-manieth sample of a clip: what one iteration looks at.
+struct Turn {
+  Eigen::Index first = 0, samples = 0;  ///< of the clip, `stride` apart
+  MotionMap map;
+  Focus focus;
+  Rows rest;             ///< what the anchors alone leave: parameters x samples
+  Rows delta, gradient;  ///< parameters x samples
+};
+
+/// The samples of a window that a turn has, as a turn's columns.
+struct Columns {
+  Eigen::Index first = 0, count = 0;
 };
 
 Matrix rounded(const Matrix& levels) { return levels.array().round().matrix(); }
@@ -60,8 +75,8 @@ class Trainer {
       : input_(input),
         layout_(*input.layout),
         steps_(*input.steps),
-        offset_(*input.offset),
         map_(map),
+        stride_(static_cast<Eigen::Index>(input.offset.size())),
         settings_(settings),
         parameters_(static_cast<Eigen::Index>(input.layout->moving.size())),
         samples_(input.layout->values.cols()) {
@@ -182,7 +197,6 @@ class Trainer {
   void start_weights(Window& window, std::size_t w) {
     Matrix levels = transform(window, w);
     if (input_.start) levels = continued_levels(input_.start->weights[w], levels.cols());
-    window.features = window_features(settings_.basis, window.length, levels.cols(), window.samples).cast<float>();
     window.weights.start(std::move(levels));
   }
 
@@ -209,25 +223,71 @@ class Trainer {
     return ends * window.shares;
   }
 
-  Curves values() const {
-    Curves out(parameters_, samples_);
-    for (std::size_t w = 0; w < windows_.size(); ++w) {
-      const Window& window = windows_[w];
-      out.middleCols(window.first, window.samples) = anchor_values(window, w);
-      if (window.features.rows() > 0)
-        out.middleCols(window.first, window.samples).noalias() +=
-            window.step.asDiagonal() * rounded(window.weights.level) * window.features;
-    }
-    return out;
+  /// The samples first, first + stride, ... below `end` of the clip that a turn has.
+  Columns columns_of(const Turn& turn, Eigen::Index first, Eigen::Index end) const {
+    const auto before = [&](Eigen::Index sample) {
+      return std::max<Eigen::Index>(0, (sample - turn.first + stride_ - 1) / stride_);
+    };
+    return {before(first), before(end) - before(first)};
   }
 
-  void backward(const Eigen::Ref<const Curves>& gradient, float rate_weight) {
-    for (Window& window : windows_) {
-      if (window.features.rows() == 0) continue;
-      const auto part = gradient.middleCols(window.first, window.samples);
-      window.weights.gradient.noalias() = window.step.asDiagonal() * part * window.features.transpose();
-      window.weights.gradient.array() += rate_weight * window.price.array() * rate_slope(window.weights.level.array());
+  template <typename Body>
+  void for_windows(const Body& body) {
+    parallel_for(windows_.size(), input_.threads, [&](std::size_t w) { body(windows_[w], w); });
+  }
+
+  void start_turns() {
+    map_.forget();
+    for (Eigen::Index first = 0; first < stride_; ++first) {
+      const Columns all{0, (samples_ - first + stride_ - 1) / stride_};
+      turns_.push_back({first, all.count, map_, {}, Rows(parameters_, all.count), {}, {}});
     }
+    for_windows([&](Window& window, std::size_t w) {
+      const Eigen::Index count = window.weights.level.cols();
+      const Matrix features = window_features(settings_.basis, window.length, count, window.samples).cast<float>();
+      const Matrix rest = anchor_values(window, w) - truth_.middleCols(window.first, window.samples);
+      for (Turn& turn : turns_) {
+        const Columns columns = columns_of(turn, window.first, window.first + window.samples);
+        const auto own = Eigen::seqN(turn.first + columns.first * stride_ - window.first, columns.count, stride_);
+        window.features.push_back(features(Eigen::all, own));
+        turn.rest.middleCols(columns.first, columns.count) = rest(Eigen::all, own).array();
+      }
+    });
+  }
+
+  /// What the levels stand for, without the truth.
+  void forward(std::size_t t) {
+    Turn& turn = turns_[t];
+    turn.delta = turn.rest;
+    for_windows([&](const Window& window, std::size_t) {
+      const Columns columns = columns_of(turn, window.first, window.first + window.samples);
+      if (window.features[t].size() > 0)
+        turn.delta.matrix().middleCols(columns.first, columns.count).noalias() +=
+            window.step.asDiagonal() * rounded(window.weights.level) * window.features[t];
+    });
+  }
+
+  /// One step of every weight; `speed` and the corrections are Adam's.
+  void backward(std::size_t t, float rate_weight, float speed, float first_correction, float second_correction) {
+    const Turn& turn = turns_[t];
+    for_windows([&](Window& window, std::size_t) {
+      if (window.features[t].rows() == 0) return;
+      const Columns columns = columns_of(turn, window.first, window.first + window.samples);
+      const auto part = turn.gradient.matrix().middleCols(columns.first, columns.count);
+      window.weights.gradient.noalias() = window.step.asDiagonal() * part * window.features[t].transpose();
+      window.weights.gradient.array() += rate_weight * window.price.array() * rate_slope(window.weights.level.array());
+      window.weights.step(speed, first_correction, second_correction);
+    });
+  }
+
+  /// Halfway between the motion and what the levels stand for.
+  void linearise(std::size_t t) {
+    forward(t);
+    Turn& turn = turns_[t];
+    Eigen::MatrixXd middle = layout_.values(Eigen::all, Eigen::seqN(turn.first, turn.samples, stride_));
+    for (Eigen::Index i = 0; i < parameters_; ++i)
+      middle.row(parameter(i)) += 0.5 * turn.delta.row(i).matrix().cast<double>();
+    turn.map.linearise(middle, input_.threads);
   }
 
   /// The norm rises while a training goes on; one that continues another starts with the middle one.
@@ -236,39 +296,38 @@ class Trainer {
   void train() {
     constexpr int refresh = 50, refocus = 10;
     static_assert(refresh % refocus == 0, "features that are dropped have no price");
-    Focus focus;
+    start_turns();
     for (int it = 0; it < settings_.iterations; ++it) {
       const double done = static_cast<double>(it) / settings_.iterations;
       const double progress = input_.start ? continued + (1 - continued) * done : done;
-      const Curves now = values();
+      const std::size_t t = static_cast<std::size_t>(it) % turns_.size();
+      const int round = it / static_cast<int>(turns_.size());
       if (it % refresh == 0) {
-        Eigen::MatrixXd middle = layout_.values;
-        for (Eigen::Index i = 0; i < parameters_; ++i)
-          middle.row(parameter(i)) = 0.5 * (middle.row(parameter(i)) + now.row(i).cast<double>());
-        if (given_.size() > 0) middle += 0.5 * given_;
-        map_.linearise(middle, input_.threads);
+        for (std::size_t each = 0; each < turns_.size(); ++each) linearise(each);
         if (it > 0) drop_unused_features();
       }
-      delta_ = (now - truth_).array();
       if (it % refocus == 0) {
-        focus = map_.focus(delta_, offset_, input_.tolerance, input_.threads);
+        if (it > 0 && input_.is_late && input_.is_late()) return;
         price_levels();
       }
-      const PointLoss loss{input_.tolerance, input_.parts.rising_norm ? norm_of(progress) : 2, input_.emphasis};
-      const double mean_weight = input_.parts.kinematics
-                                     ? map_.descend(delta_, offset_, loss, &focus, input_.threads, gradient_)
-                                     : descend_parameters();
+      forward(t);
+      Turn& turn = turns_[t];
+      if (round % refocus == 0)
+        turn.focus = turn.map.focus(turn.delta, input_.offset[t], input_.tolerance, input_.threads);
+      const PointLoss loss{input_.tolerance, input_.parts.rising_norm ? norm_of(progress) : 2,
+                           input_.emphasis.empty() ? nullptr : &input_.emphasis[t]};
+      const double mean_weight = input_.parts.kinematics ? turn.map.descend(turn.delta, input_.offset[t], loss,
+                                                                            &turn.focus, input_.threads, turn.gradient)
+                                                         : descend_parameters(turn);
       const double step = std::exp2(-settings_.step_exponent / 2.0);
       // The slope of distortion over rate of a uniform quantiser, 2 ln 2 step^2 / 12, times the caller's factor.
-      const auto rate_weight = static_cast<float>(settings_.rate * 0.1155 * step * mean_weight);
-      if (!(gradient_.abs().maxCoeff() < senseless)) return;
-      add_shell();
-      backward(gradient_.matrix(), rate_weight);
-      const float speed = static_cast<float>(0.5 * (1 + std::cos(3.14159265358979 * progress)));
-      const float c1 = static_cast<float>(1 / (1 - std::pow(0.9, it + 1))),
-                  c2 = static_cast<float>(1 / (1 - std::pow(0.99, it + 1)));
-      for (Window& window : windows_)
-        if (window.features.rows() > 0) window.weights.step(0.15f * speed, c1, c2);
+      const auto rate_weight =
+          static_cast<float>(settings_.rate * 0.1155 * step * mean_weight / static_cast<double>(stride_));
+      if (!(turn.gradient.abs().maxCoeff() < senseless)) return;
+      add_shell(turn);
+      const auto speed = static_cast<float>(0.15 * 0.5 * (1 + std::cos(3.14159265358979 * progress)));
+      backward(t, rate_weight, speed, static_cast<float>(1 / (1 - std::pow(0.9, it + 1))),
+               static_cast<float>(1 / (1 - std::pow(0.99, it + 1))));
     }
   }
 
@@ -286,23 +345,23 @@ class Trainer {
       Eigen::Index count = levels.cols();
       while (count > 0 && levels.col(count - 1).cwiseAbs().maxCoeff() < 0.5f) --count;
       window.weights.shorten(count);
-      window.features = window.features.topRows(count).eval();
+      for (Matrix& features : window.features) features = features.topRows(count).eval();
     }
   }
 
   /// The gradient of the parameters' own squared errors, each as if it moved one point; as MotionMap::descend.
-  double descend_parameters() {
-    gradient_ = delta_;
-    for (Eigen::Index i = 0; i < parameters_; ++i) gradient_.row(i) *= 2 / (slot_step_(i) * slot_step_(i));
+  double descend_parameters(Turn& turn) const {
+    turn.gradient = turn.delta;
+    for (Eigen::Index i = 0; i < parameters_; ++i) turn.gradient.row(i) *= 2 / (slot_step_(i) * slot_step_(i));
     return static_cast<double>(parameters_);
   }
 
   /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little; so has
   /// the length of a quaternion, or bits could be saved by shrinking it until rounding turns it anywhere.
-  void add_shell() {
+  void add_shell(Turn& turn) const {
     const auto unit = static_cast<float>(2.0 / (input_.tolerance * input_.tolerance));
     for (Eigen::Index i = 0; i < parameters_; ++i)
-      gradient_.row(i) += unit * shell_reach_(i) * shell_reach_(i) * delta_.row(i);
+      turn.gradient.row(i) += unit * shell_reach_(i) * shell_reach_(i) * turn.delta.row(i);
   }
 
   LevelClip result() const {
@@ -340,8 +399,8 @@ class Trainer {
   const TrainingInput& input_;
   const ClipLayout& layout_;
   const ParameterSteps& steps_;
-  const LaneRows& offset_;
   MotionMap& map_;
+  Eigen::Index stride_;  ///< number of turns
   const SparseSettings& settings_;
   Eigen::Index parameters_, samples_;
   Eigen::VectorXf anchor_step_, slot_step_;
@@ -351,10 +410,17 @@ class Trainer {
   Curves truth_;                 ///< without what is given
   Matrix anchors_;               ///< in whole steps: parameters x anchor rows
   std::vector<Window> windows_;
-  Rows delta_, gradient_;
+  std::vector<Turn> turns_;
 };
 
 }  // namespace
+
+std::vector<LaneRows> in_turns(const Rows& rows, Eigen::Index turns) {
+  std::vector<LaneRows> parts;
+  for (Eigen::Index first = 0; first < turns; ++first)
+    parts.push_back(in_blocks(rows(Eigen::all, Eigen::seq(first, Eigen::last, turns))));
+  return parts;
+}
 
 TrainedClip train_sparse(const TrainingInput& input, MotionMap& map, const SparseSettings& settings) {
   return Trainer(input, map, settings).run();

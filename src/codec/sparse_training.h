@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "codec/clip_layout.h"
@@ -36,19 +38,24 @@ struct TrainingState {
   std::vector<Eigen::MatrixXf> weights;  ///< per window: moving parameters x features
 };
 
+/// Rows of a clip's samples as TrainingInput takes them.
+std::vector<LaneRows> in_turns(const Rows& rows, Eigen::Index turns);
+
 /// A clip ready for training.
 struct TrainingInput {
   const ClipLayout* layout = nullptr;
   const ParameterSteps* steps = nullptr;
-  const LaneRows* offset =
-      nullptr;  ///< in blocks, error rows x samples: what the rounding of fixed targets alone moves the points by
-  const LaneRows* emphasis =
-      nullptr;           ///< in blocks, points and morph targets x samples: how much an error counts; null: one
+  /// For each turn, in blocks, error rows x samples: what the rounding of fixed targets alone moves the points by.
+  /// Iterations take turns: with n of them the k-th looks at samples k, k + n, k + 2 n, ...
+  std::span<const LaneRows> offset{};
+  std::span<const LaneRows>
+      emphasis{};        ///< as `offset`, points and morph targets x samples: how much an error counts; empty: one
   double tolerance = 1;  ///< world units
   int threads = 1;
   Parts parts{};
   const std::vector<LevelAtom>* atoms = nullptr;  ///< that the clip may have from the start (codec/jumps.h); null: none
   const TrainingState* start = nullptr;           ///< of the same basis and boundaries; null: from the transform
+  std::function<bool()> is_late{};                ///< no time is left: ends the training; empty: there is time
 };
 
 struct TrainedClip {

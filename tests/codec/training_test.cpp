@@ -294,8 +294,8 @@ TEST_P(Transform, WithFineStepsIsTheCurve) {
   settings.step_exponent = 40;
   settings.iterations = 0;
   const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), character.samples()));
-  const TrainedClip trained = train_sparse(
-      {.layout = &character.layout, .steps = &character.steps, .offset = &offset, .emphasis = nullptr}, map, settings);
+  const TrainedClip trained =
+      train_sparse({.layout = &character.layout, .steps = &character.steps, .offset = {&offset, 1}}, map, settings);
   const Eigen::MatrixXd values = values_of_levels(trained.levels, character.steps, character.samples());
   // Anchors are rounded to 0.002; at both ends of a line, and the rest follows what is left.
   EXPECT_LT((values - character.layout.values).cwiseAbs().maxCoeff(), 0.0021);
@@ -312,8 +312,7 @@ TEST_P(Transform, WithFineStepsIsWhatANetworkLeavesOfTheCurve) {
   settings.iterations = 0;
   const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), character.samples()));
   const LevelClip levels =
-      train_sparse({.layout = &character.layout, .steps = &character.steps, .offset = &offset, .emphasis = nullptr},
-                   map, settings)
+      train_sparse({.layout = &character.layout, .steps = &character.steps, .offset = {&offset, 1}}, map, settings)
           .levels;
   const ParameterSteps alone{character.steps.slot, character.steps.anchor};
   const Eigen::MatrixXd rest = character.layout.values - character.steps.given;
@@ -342,13 +341,11 @@ struct Trained {
     settings.iterations = 120;
     settings.rate = 0.6;
     settings.step_exponent = -6;
-    levels = train_sparse({.layout = &character.layout,
-                           .steps = &character.steps,
-                           .offset = &offset,
-                           .emphasis = nullptr,
-                           .tolerance = tolerance},
-                          map, settings)
-                 .levels;
+    levels =
+        train_sparse(
+            {.layout = &character.layout, .steps = &character.steps, .offset = {&offset, 1}, .tolerance = tolerance},
+            map, settings)
+            .levels;
   }
 
   Rows error(const LevelClip& clip) const {
@@ -365,8 +362,7 @@ TEST(Training, BeatsTheTransformAtTheSameSteps) {
   settings.iterations = 0;
   const LevelClip plain = train_sparse({.layout = &trained.character.layout,
                                         .steps = &trained.character.steps,
-                                        .offset = &offset,
-                                        .emphasis = nullptr,
+                                        .offset = {&offset, 1},
                                         .tolerance = trained.tolerance},
                                        trained.map, settings)
                               .levels;
@@ -396,13 +392,10 @@ TEST(Training, KeepsQuaternionsFromShrinking) {
   settings.iterations = 150;
   settings.rate = 1;
   // Points may move by as much as about a radian makes them: the rate is free to take what it can.
-  const LevelClip levels = train_sparse({.layout = &character.layout,
-                                         .steps = &character.steps,
-                                         .offset = &offset,
-                                         .emphasis = nullptr,
-                                         .tolerance = 0.4},
-                                        map, settings)
-                               .levels;
+  const LevelClip levels =
+      train_sparse({.layout = &character.layout, .steps = &character.steps, .offset = {&offset, 1}, .tolerance = 0.4},
+                   map, settings)
+          .levels;
   const Eigen::MatrixXd values = values_of_levels(levels, character.steps, character.samples());
   EXPECT_GT(values.middleRows(turning.block.first, 4).colwise().norm().minCoeff(), 0.7);
 }
