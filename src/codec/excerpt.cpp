@@ -71,30 +71,34 @@ std::vector<LaneRows> columns_of(const std::vector<LaneRows>& turns, Eigen::Inde
   return in_turns(some, stride);
 }
 
+/// Puts the clip's window from `first` to `last` behind what the excerpt has; `follows`: that ends where it begins.
+void append_window(const std::vector<LevelAtom>& jumps, std::uint32_t first, std::uint32_t last, bool follows,
+                   Excerpt& excerpt, Samples& taken) {
+  if (follows) taken.pop_back();  // the end of the window before
+  const auto place = static_cast<std::uint32_t>(taken.size());
+  if (!follows) excerpt.boundaries.push_back(place);
+  excerpt.boundaries.push_back(place + last - first);
+  for (std::uint32_t n = first; n <= last; ++n) taken.push_back(static_cast<Eigen::Index>(n));
+  for (LevelAtom jump : jumps) {
+    if (jump.sample <= first || jump.sample > last) continue;
+    jump.sample = place + jump.sample - first;
+    excerpt.clip.jumps.push_back(jump);
+  }
+}
+
 }  // namespace
 
 std::optional<Excerpt> excerpt_of(const PreparedClip& clip, const std::vector<std::uint32_t>& boundaries,
                                   Eigen::Index samples) {
   constexpr double most = 0.75;  // of the clip
   const Eigen::Index all = clip.layout.values.cols();
-  const double share = std::min(1.0, static_cast<double>(samples) / static_cast<double>(all));
+  const std::vector<std::size_t> windows =
+      typical_windows(clip, boundaries, static_cast<double>(samples) / static_cast<double>(all));
   Excerpt excerpt;
   Samples taken;
-  const std::vector<std::size_t> windows = typical_windows(clip, boundaries, share);
-  for (std::size_t k = 0; k < windows.size(); ++k) {
-    const std::uint32_t first = boundaries[windows[k]], last = boundaries[windows[k] + 1];
-    const bool follows = k > 0 && windows[k - 1] + 1 == windows[k];
-    if (follows) taken.pop_back();  // the end of the window before
-    const auto place = static_cast<std::uint32_t>(taken.size());
-    if (!follows) excerpt.boundaries.push_back(place);
-    excerpt.boundaries.push_back(place + last - first);
-    for (LevelAtom jump : clip.jumps) {
-      if (jump.sample <= first || jump.sample > last) continue;
-      jump.sample = place + jump.sample - first;
-      excerpt.clip.jumps.push_back(jump);
-    }
-    for (std::uint32_t n = first; n <= last; ++n) taken.push_back(static_cast<Eigen::Index>(n));
-  }
+  for (std::size_t k = 0; k < windows.size(); ++k)
+    append_window(clip.jumps, boundaries[windows[k]], boundaries[windows[k] + 1],
+                  k > 0 && windows[k - 1] + 1 == windows[k], excerpt, taken);
   excerpt.share = static_cast<double>(taken.size()) / static_cast<double>(all);
   if (excerpt.share > most) return std::nullopt;
   PreparedClip& made = excerpt.clip;

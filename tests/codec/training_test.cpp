@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 
+#include "codec/atoms.h"
 #include "codec/clip_layout.h"
 #include "codec/corrections.h"
 #include "codec/features.h"
@@ -369,6 +370,51 @@ TEST(Training, BeatsTheTransformAtTheSameSteps) {
   EXPECT_LT(trained.levels.windows[0].weights.size(), plain.windows[0].weights.size());
 }
 
+TEST(Training, InTurnsEndsNearTheOneThatLooksAtAllSamples) {
+  const Character character(120);
+  MotionMap map = character.map();
+  const Rows wanted = map.positions(character.layout.values);
+  const Rows zero = Rows::Zero(map.error_rows(), character.samples());
+  const auto trained = [&](Eigen::Index turns) {
+    const std::vector<LaneRows> offset = in_turns(zero, turns);
+    return train_sparse(
+               {.layout = &character.layout, .steps = &character.steps, .offset = offset, .tolerance = 0.01}, map,
+               {.basis = Basis::cosine, .boundaries = {0, 120}, .step_exponent = -4, .rate = 2, .iterations = 200})
+        .levels;
+  };
+  const auto error = [&](const LevelClip& levels) {
+    const Rows off = map.positions(values_of_levels(levels, character.steps, 120)) - wanted;
+    return std::sqrt(static_cast<double>(off.square().mean()));
+  };
+  const LevelClip all = trained(1);
+  for (const Eigen::Index turns : {2, 3}) {
+    const LevelClip some = trained(turns);
+    EXPECT_NEAR(error(some), error(all), 0.1 * error(all)) << turns;
+    EXPECT_NEAR(static_cast<double>(some.windows[0].weights.size()), static_cast<double>(all.windows[0].weights.size()),
+                0.1 * static_cast<double>(all.windows[0].weights.size()))
+        << turns;
+  }
+}
+
+TEST(Training, EndsWhereNoTimeIsLeft) {
+  const Character character(60);
+  MotionMap map = character.map();
+  const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), 60));
+  const auto trained = [&](int iterations, std::function<bool()> is_late) {
+    return train_sparse({.layout = &character.layout,
+                         .steps = &character.steps,
+                         .offset = {&offset, 1},
+                         .tolerance = 0.01,
+                         .is_late = std::move(is_late)},
+                        map, {.basis = Basis::cosine, .boundaries = {0, 60}, .iterations = iterations})
+        .state.weights;
+  };
+  const auto start = trained(0, {}), whole = trained(100, {}), late = trained(100, [] { return true; });
+  EXPECT_NE(late, start);  // what there was time for stands
+  EXPECT_NE(late, whole);
+  EXPECT_EQ(trained(100, [] { return false; }), whole);
+}
+
 TEST(Training, KeepsQuaternionsFromShrinking) {
   // A joint that goes from one to another of four rotations, half a turn apart, every other sample.
   constexpr std::size_t samples = 96, stay = 2;
@@ -426,6 +472,65 @@ TEST(Corrections, SayWhenTheyMayNotGoOn) {
   LevelClip corrected = trained.levels;
   EXPECT_FALSE(correct(corrected, trained.character.layout, trained.character.steps, trained.map, trained.wanted,
                        0.1 * trained.largest(trained.levels), PerSample::Ones(60), 2));
+}
+
+/// A long clip that random atoms have put off everywhere.
+struct LongClip {
+  static constexpr Eigen::Index samples = 1200;
+  Character character{samples};
+  MotionMap map = character.map();
+  Rows wanted = map.positions(character.layout.values);
+  LevelClip levels;
+  double bound = 0;
+
+  LongClip() {
+    const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), samples));
+    levels = train_sparse({.layout = &character.layout, .steps = &character.steps, .offset = {&offset, 1}}, map,
+                          {.basis = Basis::cosine, .boundaries = {0, samples}, .step_exponent = 20, .iterations = 0})
+                 .levels;
+    std::mt19937 random(3);
+    for (std::uint32_t n = 0; n < samples; n += 3)
+      levels.atoms.push_back({n, static_cast<int>(random() % character.layout.parameters.size()),
+                              static_cast<int>(random() % 4), static_cast<std::int32_t>(random() % 41) - 20});
+    tidy_atoms(levels.atoms);
+    bound = 0.3 * largest(levels);
+  }
+
+  double largest(const LevelClip& of) const {
+    return largest_distance(map.positions(values_of_levels(of, character.steps, samples)) - wanted, map.point_count());
+  }
+
+  std::vector<LevelAtom> corrected(LevelClip clip, int threads) {
+    EXPECT_TRUE(
+        correct(clip, character.layout, character.steps, map, wanted, bound, PerSample::Ones(samples), 5000, threads));
+    EXPECT_LE(largest(clip), bound * (1 + 1e-5));
+    return clip.atoms;
+  }
+};
+
+bool same_atom(const LevelAtom& a, const LevelAtom& b) {
+  return a.sample == b.sample && a.parameter == b.parameter && a.width == b.width && a.level == b.level;
+}
+
+TEST(Corrections, OfOnePlaceAreTheSameWhateverAnotherNeeds) {
+  LongClip clip;
+  LevelClip turned = clip.levels;
+  for (int parameter = 3; parameter < 12; ++parameter)  // by up to two radians: no linear map tells what that does
+    turned.atoms.push_back({1100, parameter, 3, parameter % 2 == 0 ? 1200 : -600});
+  std::vector<LevelAtom> alone = clip.corrected(clip.levels, 1), beside = clip.corrected(turned, 1);
+  EXPECT_GT(alone.size(), clip.levels.atoms.size() + 100);
+  for (std::vector<LevelAtom>* atoms : {&alone, &beside})
+    std::erase_if(*atoms, [](const LevelAtom& atom) { return atom.sample >= 500; });
+  EXPECT_TRUE(std::equal(alone.begin(), alone.end(), beside.begin(), beside.end(), same_atom));
+}
+
+TEST(Corrections, DoNotDependOnThreads) {
+  LongClip clip;
+  const std::vector<LevelAtom> one = clip.corrected(clip.levels, 1);
+  for (const int threads : {2, 5}) {
+    const std::vector<LevelAtom> more = clip.corrected(clip.levels, threads);
+    EXPECT_TRUE(std::equal(one.begin(), one.end(), more.begin(), more.end(), same_atom)) << threads;
+  }
 }
 
 TEST(Refinement, RepairLowersTheLargestErrorWithoutNewWeights) {
