@@ -91,6 +91,8 @@ void append_window(const std::vector<LevelAtom>& jumps, std::uint32_t first, std
 std::optional<Excerpt> excerpt_of(const PreparedClip& clip, const std::vector<std::uint32_t>& boundaries,
                                   Eigen::Index samples) {
   constexpr double most = 0.75;  // of the clip
+  constexpr std::size_t fewest_windows = 6;
+  if (boundaries.size() <= fewest_windows) return std::nullopt;
   const Eigen::Index all = clip.layout.values.cols();
   const std::vector<std::size_t> windows =
       typical_windows(clip, boundaries, static_cast<double>(samples) / static_cast<double>(all));

@@ -21,7 +21,8 @@ struct Excerpt {
 };
 
 /// Whole windows of a clip, of calm and busy ones about the same share, about `samples` samples in all. `boundaries`:
-/// of the clip's windows (sample indices from 0 to samples - 1). None where that would be most of the clip.
+/// of the clip's windows (sample indices from 0 to samples - 1). None of a clip of few windows, and
+/// where it would be most of the clip.
 std::optional<Excerpt> excerpt_of(const PreparedClip& clip, const std::vector<std::uint32_t>& boundaries,
                                   Eigen::Index samples);
 

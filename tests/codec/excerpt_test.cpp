@@ -115,10 +115,11 @@ TEST(Excerpt, HasTheJumpsOfItsWindows) {
   EXPECT_EQ(jumps.size(), expected);
 }
 
-TEST(Excerpt, IsNoneWhereItWouldBeMostOfTheClip) {
+TEST(Excerpt, IsNoneOfFewWindowsOrWhereItWouldBeMostOfTheClip) {
   const PreparedClip clip = numbered_clip(1);
-  EXPECT_FALSE(excerpt_of(clip, {0, 600, samples - 1}, 300));
   EXPECT_FALSE(excerpt_of(clip, even_boundaries(), 900));
+  EXPECT_TRUE(excerpt_of(clip, {0, 100, 200, 300, 400, 500, samples - 1}, 300));
+  EXPECT_FALSE(excerpt_of(clip, {0, 100, 200, 300, 400, samples - 1}, 300));
 }
 
 }  // namespace
