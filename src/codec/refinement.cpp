@@ -57,13 +57,19 @@ class Refiner {
   }
 
   void repair() {
-    constexpr int sweeps = 12;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      if (sweep == sweeps / 2) {
+    constexpr int halves = 2, sweeps = 6;
+    for (int half = 0; half < halves; ++half) {
+      if (half > 0) {
         store();
         start();
       }
-      if (total_excess() <= 0 || !repair_once()) break;
+      // Windows share no samples.
+      parallel_for(windows_.size(), threads_, [&](std::size_t w) {
+        DenseWindow& window = windows_[w];
+        for (int sweep = 0; sweep < sweeps && repair_once(window); ++sweep) {
+        }
+        window.effects.clear();
+      });
     }
     store();
   }
@@ -81,7 +87,6 @@ class Refiner {
     const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
     error_ = map_.positions(now, threads_) - wanted_;
     map_.linearise(0.5 * (now + layout_.values), threads_);
-    for (DenseWindow& window : windows_) window.effects.clear();
   }
 
   /// What squared errors (in units of the bound) above one weigh.
@@ -97,20 +102,11 @@ class Refiner {
 
   float unit() const { return static_cast<float>(1 / (bound_ * bound_)); }
 
-  double total_excess() const {
-    double sum = 0;
-    for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
-      const SampleRow square =
-          error_.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum() * unit();
-      sum += static_cast<double>(excess_of(square).sum());
-    }
-    return sum;
-  }
-
   /// The effect of a parameter on the window's samples; valid until the next call.
   const Effect& effect_of(DenseWindow& window, Eigen::Index i) const {
     if (const auto known = window.effects.find(i); known != window.effects.end()) return known->second;
-    if (window.effects.size() * windows_.size() >= most_effects) window.effects.clear();
+    if (static_cast<Eigen::Index>(window.effects.size()) * window.samples * error_.rows() >= most_numbers)
+      window.effects.clear();
     return window.effects.emplace(i, map_.effect(i, window.first, window.samples)).first->second;
   }
 
@@ -140,17 +136,22 @@ class Refiner {
     });
   }
 
-  /// The slope of the total excess by every moving parameter at every sample.
-  Eigen::MatrixXf slopes() {
-    Rows weight = Rows::Zero(error_.rows(), samples_), gradient;
+  /// The slope of the window's excess by every moving parameter at every sample; empty where nothing is above the
+  /// bound.
+  Eigen::MatrixXf slopes(const DenseWindow& window) const {
+    const auto error = error_.middleCols(window.first, window.samples);
+    Rows weight = Rows::Zero(error_.rows(), window.samples), gradient;
+    bool is_above = false;
     for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
-      const SampleRow square =
-          error_.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum() * unit();
+      const SampleRow square = error.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum() * unit();
+      if (square.maxCoeff() <= 1) continue;
+      is_above = true;
       const SampleRow pull = 4 * unit() * (square - 1.0f).max(0.0f);
       for (Eigen::Index a = 0; a < map_.row_count(q); ++a)
-        weight.row(map_.first_row(q) + a) = pull * error_.row(map_.first_row(q) + a);
+        weight.row(map_.first_row(q) + a) = pull * error.row(map_.first_row(q) + a);
     }
-    map_.gradient(weight, gradient);
+    if (!is_above) return {};
+    map_.gradient(weight, gradient, window.first);
     return gradient.matrix();
   }
 
@@ -172,37 +173,28 @@ class Refiner {
   }
 
   struct Move {
-    std::size_t window = 0;
     Eigen::Index parameter = 0;
     double promise = 0;
   };
 
-  /// One pass over the parameters that promise most. False where no move helped.
-  bool repair_once() {
-    const Eigen::MatrixXf gradient = slopes();
-    std::vector<Eigen::MatrixXf> slope;
+  /// One pass over the window's parameters that promise most. False where no move helped.
+  bool repair_once(DenseWindow& window) {
+    const Eigen::MatrixXf gradient = slopes(window);
+    if (gradient.size() == 0) return false;
+    const Eigen::MatrixXf slope = window.step.asDiagonal() * gradient * window.features.transpose();
     std::vector<Move> moves;
-    for (std::size_t w = 0; w < windows_.size(); ++w) {
-      const DenseWindow& window = windows_[w];
-      slope.push_back(window.step.asDiagonal() * gradient.middleCols(window.first, window.samples) *
-                      window.features.transpose());
-      for (Eigen::Index i = 0; i < moving_; ++i) {
-        double most = 0;
-        for (Eigen::Index j = 0; j < window.levels.cols(); ++j)
-          if (window.levels(i, j) != 0) most = std::max(most, std::abs(static_cast<double>(slope.back()(i, j))));
-        if (most > 0) moves.push_back({w, i, most});
-      }
+    for (Eigen::Index i = 0; i < moving_; ++i) {
+      double most = 0;
+      for (Eigen::Index j = 0; j < window.levels.cols(); ++j)
+        if (window.levels(i, j) != 0) most = std::max(most, std::abs(static_cast<double>(slope(i, j))));
+      if (most > 0) moves.push_back({i, most});
     }
     std::stable_sort(moves.begin(), moves.end(), [](const Move& a, const Move& b) { return a.promise > b.promise; });
     const std::size_t most = std::max<std::size_t>(24, moves.size() / 4);
     if (moves.size() > most) moves.resize(most);
-    // Windows share no samples.
-    std::vector<std::size_t> moved(windows_.size());
-    parallel_for(windows_.size(), threads_, [&](std::size_t w) {
-      for (const Move& move : moves)
-        if (move.window == w) moved[w] += try_parameter(windows_[w], move.parameter, slope[w].row(move.parameter));
-    });
-    return std::any_of(moved.begin(), moved.end(), [](std::size_t count) { return count > 0; });
+    bool has_moved = false;
+    for (const Move& move : moves) has_moved |= try_parameter(window, move.parameter, slope.row(move.parameter));
+    return has_moved;
   }
 
   /// The best single step among the parameter's features.
@@ -259,7 +251,7 @@ class Refiner {
   Eigen::Index samples_, moving_;
   std::vector<DenseWindow> windows_;
   Rows error_;
-  static constexpr std::size_t most_effects = 500;  ///< kept at a time
+  static constexpr Eigen::Index most_numbers = 1 << 22;  ///< of a window's effects, kept at a time
 };
 
 }  // namespace
