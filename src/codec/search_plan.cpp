@@ -47,7 +47,7 @@ SearchPlan excerpt_plan_of(int effort, Eigen::Index turns) {
 
 Eigen::Index excerpt_samples(int effort, Eigen::Index samples) {
   constexpr Eigen::Index shortest = 500, most = 800;
-  return effort > 5 || samples < shortest ? 0 : std::min(most, samples / 2);
+  return effort > 5 || samples < shortest ? 0 : std::min(most, samples / 3);
 }
 
 std::vector<int> efforts_of(int effort) {
