@@ -3,19 +3,23 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "base/error.h"
 #include "closed_form.h"
 #include "codec/decoded_set.h"
+#include "codec/import_bvh.h"
 #include "codec/paper_profile.h"
 #include "codec/reference_codec.h"
 #include "codec/source.h"
 #include "codec/standard_profile.h"
 #include "compressed_document.h"
 #include "made_set.h"
+#include "motion/bvh.h"
 #include "motion/error.h"
 #include "network/fourier_features.h"
 #include "network/pose_network.h"
@@ -336,6 +340,65 @@ TEST(Compress, TheSearchOfOneClipDoesNotDependOnThreads) {
     options.threads = threads;
     EXPECT_EQ(gltf::to_glb(codec::compress(document, options).document), one) << threads;
   }
+}
+
+/// Eight seconds at 120 Hz of an arm that waves, faster and slower, with a hand that flips at once now and then.
+Document long_recording() {
+  constexpr int frames = 960;
+  std::string text =
+      "HIERARCHY ROOT Hips { OFFSET 0 1 0 CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+      "Yrotation JOINT Arm { OFFSET 0 0.5 0 CHANNELS 3 Zrotation Xrotation Yrotation JOINT Hand { OFFSET "
+      "0.5 0 0 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0.2 0 0 } } } } MOTION\n";
+  text += "Frames: " + std::to_string(frames) + "\nFrame Time: 0.00833333\n";
+  for (int n = 0; n < frames; ++n) {
+    const double t = n / 120.0, fast = std::sin(t) * std::sin(7 * t + 0.3 * std::sin(19 * t));
+    const double numbers[] = {std::sin(t),
+                              1 + 0.1 * fast,
+                              0.2 * t,
+                              20 * fast,
+                              0,
+                              10 * t,
+                              60 * fast,
+                              30 * std::sin(3 * t),
+                              0,
+                              40 * fast,
+                              n / 300 % 2 ? 175.0 : -175.0,
+                              20 * std::sin(11 * t)};
+    for (const double number : numbers) text += std::to_string(number) + ' ';
+    text += '\n';
+  }
+  return codec::import_bvh(motion::parse_bvh(text, "arm.bvh"));
+}
+
+TEST(Compress, TheSearchOfALongClipKeepsTheBoundAndDoesNotDependOnThreads) {
+  const Document original = long_recording();
+  CompressOptions options = quick(0.001);
+  options.effort = 5;
+  options.explain = true;
+  const CompressResult result = codec::compress(original, options);
+  ASSERT_EQ(result.clips.at(0).outcome, Outcome::compressed);
+  for (const motion::ErrorReport& report : errors_of(original, codec::expand(result.document)))
+    EXPECT_LE(report.max, result.tolerance);
+  for (const int threads : {2, 3}) {
+    options.threads = threads;
+    EXPECT_EQ(gltf::to_glb(codec::compress(original, options).document), gltf::to_glb(result.document)) << threads;
+  }
+}
+
+TEST(Compress, OfALongClipMoreIsKeptThanWasWritten) {
+  CompressOptions options = quick(0.001);
+  options.effort = 3;
+  options.record_candidates = true;
+  const CompressResult result = codec::compress(long_recording(), options);
+  const std::vector<codec::Candidate>& tried = result.clips.at(0).candidates;
+  const auto chosen = std::find_if(tried.begin(), tried.end(), [](const codec::Candidate& one) { return one.chosen; });
+  ASSERT_NE(chosen, tried.end());
+  EXPECT_TRUE(chosen->kept);
+  EXPECT_LE(chosen->error, result.tolerance);
+  EXPECT_TRUE(
+      std::any_of(tried.begin(), tried.end(), [&](const codec::Candidate& one) { return one.jumps != chosen->jumps; }));
+  for (const codec::Candidate& one : tried)  // of an excerpt in proportion
+    EXPECT_GT(one.bytes, chosen->bytes / 3) << one.basis;
 }
 
 TEST(Compress, CompressingTwiceIsRefused) {
