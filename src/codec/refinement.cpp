@@ -84,9 +84,10 @@ class Refiner {
   Eigen::Index parameter(Eigen::Index i) const { return layout_.moving[static_cast<std::size_t>(i)]; }
 
   void start() {
-    const Eigen::MatrixXd now = values_of_levels(clip_, steps_, samples_);
-    error_ = map_.positions(now, threads_) - wanted_;
-    map_.linearise(0.5 * (now + layout_.values), threads_);
+    Eigen::MatrixXd values = values_of_levels(clip_, steps_, samples_);
+    error_ = map_.positions(values, threads_) - wanted_;
+    values = 0.5 * (values + layout_.values);
+    map_.linearise(values, threads_);
   }
 
   /// What squared errors (in units of the bound) above one weigh.

@@ -52,8 +52,7 @@ struct Turn {
   Eigen::Index first = 0, samples = 0;  ///< of the clip, `stride` apart
   MotionMap map;
   Focus focus;
-  Rows rest;             ///< what the anchors alone leave: parameters x samples
-  Rows delta, gradient;  ///< parameters x samples
+  Rows rest;  ///< what the anchors alone leave: parameters x samples
 };
 
 /// The samples of a window that a turn has, as a turn's columns.
@@ -240,7 +239,7 @@ class Trainer {
     map_.forget();
     for (Eigen::Index first = 0; first < stride_; ++first) {
       const Columns all{0, (samples_ - first + stride_ - 1) / stride_};
-      turns_.push_back({first, all.count, map_, {}, Rows(parameters_, all.count), {}, {}});
+      turns_.push_back({first, all.count, map_, {}, Rows(parameters_, all.count)});
     }
     for_windows([&](Window& window, std::size_t w) {
       const Eigen::Index count = window.weights.level.cols();
@@ -253,16 +252,17 @@ class Trainer {
         turn.rest.middleCols(columns.first, columns.count) = rest(Eigen::all, own).array();
       }
     });
+    truth_.resize(0, 0);
   }
 
   /// What the levels stand for, without the truth.
   void forward(std::size_t t) {
-    Turn& turn = turns_[t];
-    turn.delta = turn.rest;
+    const Turn& turn = turns_[t];
+    delta_ = turn.rest;
     for_windows([&](const Window& window, std::size_t) {
       const Columns columns = columns_of(turn, window.first, window.first + window.samples);
       if (window.features[t].size() > 0)
-        turn.delta.matrix().middleCols(columns.first, columns.count).noalias() +=
+        delta_.matrix().middleCols(columns.first, columns.count).noalias() +=
             window.step.asDiagonal() * rounded(window.weights.level) * window.features[t];
     });
   }
@@ -273,7 +273,7 @@ class Trainer {
     for_windows([&](Window& window, std::size_t) {
       if (window.features[t].rows() == 0) return;
       const Columns columns = columns_of(turn, window.first, window.first + window.samples);
-      const auto part = turn.gradient.matrix().middleCols(columns.first, columns.count);
+      const auto part = gradient_.matrix().middleCols(columns.first, columns.count);
       window.weights.gradient.noalias() = window.step.asDiagonal() * part * window.features[t].transpose();
       window.weights.gradient.array() += rate_weight * window.price.array() * rate_slope(window.weights.level.array());
       window.weights.step(speed, first_correction, second_correction);
@@ -286,7 +286,7 @@ class Trainer {
     Turn& turn = turns_[t];
     Eigen::MatrixXd middle = layout_.values(Eigen::all, Eigen::seqN(turn.first, turn.samples, stride_));
     for (Eigen::Index i = 0; i < parameters_; ++i)
-      middle.row(parameter(i)) += 0.5 * turn.delta.row(i).matrix().cast<double>();
+      middle.row(parameter(i)) += 0.5 * delta_.row(i).matrix().cast<double>();
     turn.map.linearise(middle, input_.threads);
   }
 
@@ -312,19 +312,18 @@ class Trainer {
       }
       forward(t);
       Turn& turn = turns_[t];
-      if (round % refocus == 0)
-        turn.focus = turn.map.focus(turn.delta, input_.offset[t], input_.tolerance, input_.threads);
+      if (round % refocus == 0) turn.focus = turn.map.focus(delta_, input_.offset[t], input_.tolerance, input_.threads);
       const PointLoss loss{input_.tolerance, input_.parts.rising_norm ? norm_of(progress) : 2,
                            input_.emphasis.empty() ? nullptr : &input_.emphasis[t]};
-      const double mean_weight = input_.parts.kinematics ? turn.map.descend(turn.delta, input_.offset[t], loss,
-                                                                            &turn.focus, input_.threads, turn.gradient)
-                                                         : descend_parameters(turn);
+      const double mean_weight = input_.parts.kinematics ? turn.map.descend(delta_, input_.offset[t], loss, &turn.focus,
+                                                                            input_.threads, gradient_)
+                                                         : descend_parameters();
       const double step = std::exp2(-settings_.step_exponent / 2.0);
       // The slope of distortion over rate of a uniform quantiser, 2 ln 2 step^2 / 12, times the caller's factor.
       const auto rate_weight =
           static_cast<float>(settings_.rate * 0.1155 * step * mean_weight / static_cast<double>(stride_));
-      if (!(turn.gradient.abs().maxCoeff() < senseless)) return;
-      add_shell(turn);
+      if (!(gradient_.abs().maxCoeff() < senseless)) return;
+      add_shell();
       const auto speed = static_cast<float>(0.15 * 0.5 * (1 + std::cos(3.14159265358979 * progress)));
       backward(t, rate_weight, speed, static_cast<float>(1 / (1 - std::pow(0.9, it + 1))),
                static_cast<float>(1 / (1 - std::pow(0.99, it + 1))));
@@ -350,18 +349,18 @@ class Trainer {
   }
 
   /// The gradient of the parameters' own squared errors, each as if it moved one point; as MotionMap::descend.
-  double descend_parameters(Turn& turn) const {
-    turn.gradient = turn.delta;
-    for (Eigen::Index i = 0; i < parameters_; ++i) turn.gradient.row(i) *= 2 / (slot_step_(i) * slot_step_(i));
+  double descend_parameters() {
+    gradient_ = delta_;
+    for (Eigen::Index i = 0; i < parameters_; ++i) gradient_.row(i) *= 2 / (slot_step_(i) * slot_step_(i));
     return static_cast<double>(parameters_);
   }
 
   /// A twist that moves no point still has a small cost, as if each parameter moved a point of its own a little; so has
   /// the length of a quaternion, or bits could be saved by shrinking it until rounding turns it anywhere.
-  void add_shell(Turn& turn) const {
+  void add_shell() {
     const auto unit = static_cast<float>(2.0 / (input_.tolerance * input_.tolerance));
     for (Eigen::Index i = 0; i < parameters_; ++i)
-      turn.gradient.row(i) += unit * shell_reach_(i) * shell_reach_(i) * turn.delta.row(i);
+      gradient_.row(i) += unit * shell_reach_(i) * shell_reach_(i) * delta_.row(i);
   }
 
   LevelClip result() const {
@@ -407,10 +406,11 @@ class Trainer {
   Eigen::VectorXf end_sign_;     ///< of a loop (end_signs)
   Eigen::VectorXf shell_reach_;  ///< how far the point of its own moves, world units a unit of the parameter
   Eigen::MatrixXd given_;        ///< by atoms and a network: all parameters x samples; empty where there are none
-  Curves truth_;                 ///< without what is given
+  Curves truth_;                 ///< without what is given; until the turns have it
   Matrix anchors_;               ///< in whole steps: parameters x anchor rows
   std::vector<Window> windows_;
   std::vector<Turn> turns_;
+  Rows delta_, gradient_;  ///< of the turn that is looked at: parameters x samples
 };
 
 }  // namespace
