@@ -9,6 +9,7 @@
 #include "codec/corrections.h"
 #include "codec/features.h"
 #include "codec/refinement.h"
+#include "codec/seam.h"
 
 namespace nmc::codec {
 namespace {
@@ -124,7 +125,7 @@ class TrialWork {
       if (context_.exact_ends)
         restore_ends(levels);
       else if (prepared_.loops && round < rounds / 2)  // better a seam than no end
-        close_seam(levels);
+        close_seam(levels, end_signs(prepared_.layout), prepared_.layout.values.cols());
       motion::ErrorProfile profile = error_profile(levels);
       if (is_within_bound(profile)) return true;
       mend_flips(profile, round < first_rounds ? 1.5 : 1, levels);
@@ -143,53 +144,6 @@ class TrialWork {
       for (const std::vector<LevelAtom>& atoms : missing_by_target(prepared_.layout, prepared_.steps, end, 1, values))
         for (const LevelAtom& atom : atoms) put_atom(atom, levels.atoms);
     tidy_atoms(levels.atoms);
-  }
-
-  /// What atoms change at one end of a loop they change at the other as well, or they would open the seam that the
-  /// anchors close. The less corrected end follows: the other one needs what it has.
-  void close_seam(LevelClip& levels) const {
-    const Eigen::Index last = prepared_.layout.values.cols() - 1;
-    const Eigen::VectorXd signs = end_signs(prepared_.layout);
-    mirror_atoms(levels, last, signs);
-    const Eigen::VectorXd at_first = atom_levels(levels, 0), at_last = atom_levels(levels, last);
-    const bool first_leads = at_first.cwiseAbs().sum() > at_last.cwiseAbs().sum();
-    const Eigen::VectorXd change =
-        first_leads ? signs.cwiseProduct(at_first) - at_last : signs.cwiseProduct(at_last) - at_first;
-    const auto follower = static_cast<std::uint32_t>(first_leads ? last : 0);
-    for (Eigen::Index i = 0; i < change.size(); ++i)
-      if (const auto level = static_cast<std::int32_t>(std::lround(change(i))); level != 0)
-        put_atom({follower, static_cast<int>(i), 0, level}, levels.atoms);
-    tidy_atoms(levels.atoms);
-  }
-
-  /// An atom that only overlaps an end adds a part of a step there, which no atom of the other end's own could: it gets
-  /// its mirror image.
-  static void mirror_atoms(LevelClip& levels, Eigen::Index last, const Eigen::VectorXd& signs) {
-    std::vector<LevelAtom> images;
-    for (const LevelAtom& atom : levels.atoms) {
-      if (atom.width == LevelAtom::jump_width) continue;
-      const auto at = static_cast<Eigen::Index>(atom.sample);
-      const Eigen::Index away = std::min(at, last - at);
-      if (away == 0 || away >= Eigen::Index{1} << atom.width) continue;
-      LevelAtom image = atom;
-      image.sample = static_cast<std::uint32_t>(last - at);
-      if (signs(atom.parameter) < 0) image.level = -image.level;
-      const bool has_image = std::any_of(levels.atoms.begin(), levels.atoms.end(), [&](const LevelAtom& other) {
-        return other.sample == image.sample && other.parameter == image.parameter && other.width == image.width;
-      });
-      if (!has_image) images.push_back(image);
-    }
-    for (const LevelAtom& image : images) put_atom(image, levels.atoms);
-  }
-
-  /// What atoms add to each parameter at one end of the clip, in their steps.
-  Eigen::VectorXd atom_levels(const LevelClip& levels, Eigen::Index sample) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(prepared_.layout.values.rows());
-    for (const LevelAtom& atom : levels.atoms)
-      if (atom.width != LevelAtom::jump_width)
-        sum(atom.parameter) +=
-            atom.level * atom_share(std::abs(sample - static_cast<Eigen::Index>(atom.sample)), atom.width);
-    return sum;
   }
 
   motion::ErrorProfile error_profile(const LevelClip& levels) const {
