@@ -66,8 +66,8 @@ class Refiner {
       // Windows share no samples.
       parallel_for(windows_.size(), threads_, [&](std::size_t w) {
         DenseWindow& window = windows_[w];
-        for (int sweep = 0; sweep < sweeps && repair_once(window); ++sweep) {
-        }
+        for (int sweep = 0; sweep < sweeps; ++sweep)
+          if (!repair_once(window)) break;
         window.effects.clear();
       });
     }
