@@ -35,9 +35,9 @@ SearchPlan plan_of(int effort, Eigen::Index samples) {
 
 SearchPlan excerpt_plan_of(int effort, Eigen::Index turns) {
   const auto plan = [&]() -> SearchPlan {
-    if (effort <= 1) return {30, 20, 1, 0, false, 1};
-    if (effort <= 2) return {60, 40, 2, 40};
-    if (effort <= 3) return {80, 60, 3, 80};
+    if (effort <= 1) return {40, 30, 3, 30, false, 1};
+    if (effort <= 2) return {60, 40, 3, 50};
+    if (effort <= 3) return {80, 60, 4, 80};
     return {150, 70, 4, turns > 1 ? 150 : 100};
   };
   SearchPlan made = plan();
