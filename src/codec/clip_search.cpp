@@ -56,13 +56,16 @@ class ClipSearch {
     return trainings;
   }
 
-  /// What these trainings lead to, one going on from the other.
-  LevelClip run_trainings(const std::vector<SparseSettings>& trainings) {
+  /// What these trainings lead to, one going on from the other; where no time is left before them, untrained levels.
+  LevelClip run_trainings(std::vector<SparseSettings> trainings) {
+    if (context_.is_late()) {
+      trainings.resize(1);
+      trainings.front().iterations = 0;
+    }
     CutTrials trials(1);
     Trial& trained = trials.front();
-    for (std::size_t k = 0; k < trainings.size() && (k == 0 || !context_.is_late()); ++k) {
-      SparseSettings settings = trainings[k];
-      if (context_.is_late()) settings.iterations = 0;
+    for (std::size_t k = 0; k < trainings.size(); ++k) {
+      const SparseSettings& settings = trainings[k];
       const TrainingState start = std::move(trained.state);
       trained = train_trial(clip_, settings, k > 0 ? &start : nullptr, bench());
     }
@@ -267,7 +270,8 @@ struct Found {
 /// Settings are searched on the excerpt, then all of the clip takes them.
 Found search_on_excerpt(const TrialClip& clip, int effort, const std::vector<SparseSettings>& cuts,
                         const Excerpt& excerpt, std::vector<Candidate>* tried) {
-  const SearchContext& context = clip.context;
+  SearchContext context = clip.context;
+  if (context.is_half_over) context.is_late = context.is_half_over;  // the other half is the whole clip's
   const SearchPlan plan = excerpt_plan_of(effort, std::ssize(clip.prepared.offset));
   const TrialClip part{context, excerpt.clip, excerpt.source, clip.records, excerpt.share};
   std::vector<SparseSettings> cuts_of_part = cuts;
@@ -283,7 +287,7 @@ Found search_on_excerpt(const TrialClip& clip, int effort, const std::vector<Spa
     training.loops = cuts.front().loops;
   }
   ClipSearch search(clip, effort, plan, 1, tried);
-  LevelClip levels = search.run_trainings(trainings);
+  LevelClip levels = search.run_trainings(std::move(trainings));
   return {std::move(levels), search.bytes()};
 }
 

@@ -217,8 +217,7 @@ Trial train_trial(const TrialClip& clip, const SparseSettings& settings, const T
                                       .threads = bench.threads,
                                       .parts = clip.context.parts,
                                       .atoms = &prepared.jumps,
-                                      .start = start,
-                                      .is_late = clip.context.is_late},
+                                      .start = start},
                                      bench.map, settings);
   Trial trial{.settings = settings, .state = std::move(trained.state), .levels = std::move(trained.levels)};
   trial.levels.times = clip.source.clip.times;

@@ -37,7 +37,8 @@ struct SearchContext {
   const SetFrame& frame;
   const ClipSet& set;
   const motion::ErrorMeter& meter;
-  std::function<bool()> is_late;  ///< no time is left: take the first result
+  std::function<bool()> is_late;         ///< no time is left: take the first result
+  std::function<bool()> is_half_over{};  ///< half of the time is over; empty: there is time
   int effort = 5;
   int threads = 1;  ///< for one clip
   bool exact_ends = false;

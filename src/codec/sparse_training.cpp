@@ -306,10 +306,7 @@ class Trainer {
         for (std::size_t each = 0; each < turns_.size(); ++each) linearise(each);
         if (it > 0) drop_unused_features();
       }
-      if (it % refocus == 0) {
-        if (it > 0 && input_.is_late && input_.is_late()) return;
-        price_levels();
-      }
+      if (it % refocus == 0) price_levels();
       forward(t);
       Turn& turn = turns_[t];
       if (round % refocus == 0) turn.focus = turn.map.focus(delta_, input_.offset[t], input_.tolerance, input_.threads);

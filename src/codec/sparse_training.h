@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -55,7 +54,6 @@ struct TrainingInput {
   Parts parts{};
   const std::vector<LevelAtom>* atoms = nullptr;  ///< that the clip may have from the start (codec/jumps.h); null: none
   const TrainingState* start = nullptr;           ///< of the same basis and boundaries; null: from the transform
-  std::function<bool()> is_late{};                ///< no time is left: ends the training; empty: there is time
 };
 
 struct TrainedClip {

@@ -27,17 +27,20 @@ StandardEncoder::StandardEncoder(const Source& source, const CompressOptions& op
   const motion::ErrorMeter meter(source.skeleton, all_points_of(source, bound));
   SharedPart shared = make_shared_part(source, clips, precision, options.threads);
   const int threads = options.threads > 0 ? options.threads : hardware_threads();
-  const SearchContext context{
-      .source = source,
-      .bound = bound,
-      .frame = shared.frame,
-      .set = shared.set,
-      .meter = meter,
-      .is_late = [&] { return options.time_limit_seconds > 0 && seconds_since(start) > options.time_limit_seconds; },
-      .effort = options.effort,
-      .threads = std::max(1, threads / static_cast<int>(std::min<std::size_t>(count, 64))),
-      .exact_ends = options.exact_ends,
-      .parts = options.parts};
+  const auto is_over = [&](double share) {
+    return options.time_limit_seconds > 0 && seconds_since(start) > share * options.time_limit_seconds;
+  };
+  const SearchContext context{.source = source,
+                              .bound = bound,
+                              .frame = shared.frame,
+                              .set = shared.set,
+                              .meter = meter,
+                              .is_late = [&] { return is_over(1); },
+                              .is_half_over = [&] { return is_over(0.5); },
+                              .effort = options.effort,
+                              .threads = std::max(1, threads / static_cast<int>(std::min<std::size_t>(count, 64))),
+                              .exact_ends = options.exact_ends,
+                              .parts = options.parts};
   std::vector<std::vector<LevelClip>> levels(count);
   seconds_.resize(count);
   candidates_.resize(count);

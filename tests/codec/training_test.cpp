@@ -396,25 +396,6 @@ TEST(Training, InTurnsEndsNearTheOneThatLooksAtAllSamples) {
   }
 }
 
-TEST(Training, EndsWhereNoTimeIsLeft) {
-  const Character character(60);
-  MotionMap map = character.map();
-  const LaneRows offset = in_blocks(Rows::Zero(map.error_rows(), 60));
-  const auto trained = [&](int iterations, std::function<bool()> is_late) {
-    return train_sparse({.layout = &character.layout,
-                         .steps = &character.steps,
-                         .offset = {&offset, 1},
-                         .tolerance = 0.01,
-                         .is_late = std::move(is_late)},
-                        map, {.basis = Basis::cosine, .boundaries = {0, 60}, .iterations = iterations})
-        .state.weights;
-  };
-  const auto start = trained(0, {}), whole = trained(100, {}), late = trained(100, [] { return true; });
-  EXPECT_NE(late, start);  // what there was time for stands
-  EXPECT_NE(late, whole);
-  EXPECT_EQ(trained(100, [] { return false; }), whole);
-}
-
 TEST(Training, KeepsQuaternionsFromShrinking) {
   // A joint that goes from one to another of four rotations, half a turn apart, every other sample.
   constexpr std::size_t samples = 96, stay = 2;
