@@ -39,7 +39,7 @@ class ClipSearch {
     if (plan_.last_iterations > 0 && current.kept) {
       SparseSettings last = current.settings;
       last.iterations = plan_.last_iterations;
-      make_and_take(last, &current.state);
+      make_and_take(last, &current);
     }
     return result(current.settings);
   }
@@ -158,9 +158,7 @@ class ClipSearch {
     finish_trial(clip_, unlimited, plan_.prunes, bench, first);
     if (!first.is_hopeless() || context_.is_late()) return;
     const int finer = std::clamp(static_cast<int>(std::lround(4 * std::log2(first.usual_error))), 1, most);
-    Trial again = make(neighbour(first, finer, 1, plan_.iterations), &first.state, unlimited, bench);
-    again.earlier = first.earlier;
-    again.earlier.push_back(first.settings);
+    Trial again = make(neighbour(first, finer, 1, plan_.iterations), &first, unlimited, bench);
     trials.push_back(std::move(again));
   }
 
@@ -176,7 +174,7 @@ class ClipSearch {
   Trial first_within_bound(const Trial& coarse) {
     Trial trial = coarse;
     for (int k = 0; k < 4 && !trial.kept && !context_.is_late(); ++k)
-      go_on(trial, make_and_take(neighbour(trial, stride, 0.8, plan_.first_iterations), &trial.state));
+      trial = make_and_take(neighbour(trial, stride, 0.8, plan_.first_iterations), &trial);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;
@@ -201,14 +199,13 @@ class ClipSearch {
       std::vector<Trial> next(std::min({benches_.size(), moves.size() - failed, left}));
       at_once(next.size(), [&](std::size_t k, Workbench& bench) {
         const Move& move = moves[(at + k) % moves.size()];
-        next[k] =
-            make(neighbour(current, move.exponent, move.rate, plan_.iterations), &current.state, current.bytes, bench);
+        next[k] = make(neighbour(current, move.exponent, move.rate, plan_.iterations), &current, current.bytes, bench);
       });
       for (Trial& trial : next) {
         --left;
         take(trial);
         if (trial.beats(current)) {
-          go_on(current, std::move(trial));
+          current = std::move(trial);
           failed = 0;
           break;
         }
@@ -218,27 +215,25 @@ class ClipSearch {
     }
   }
 
-  /// Replaces a trial by one that went on from it.
-  static void go_on(Trial& from, Trial to) {
-    to.earlier = std::move(from.earlier);
-    to.earlier.push_back(from.settings);
-    from = std::move(to);
-  }
-
   /// A trial made alone that may become the best one.
-  Trial make_and_take(const SparseSettings& settings, const TrainingState* start) {
-    Trial trial = make(settings, start, best_bytes_, bench());
+  Trial make_and_take(const SparseSettings& settings, const Trial* from) {
+    Trial trial = make(settings, from, best_bytes_, bench());
     take(trial);
     return trial;
   }
 
-  /// A trial that may get below `limit` bytes; an empty one where no time is left and there is something to take.
-  Trial make(SparseSettings settings, const TrainingState* start, std::size_t limit, Workbench& bench) const {
+  /// A trial that may get below `limit` bytes and goes on `from` another (null: none); an empty one where no time is
+  /// left and there is something to take.
+  Trial make(SparseSettings settings, const Trial* from, std::size_t limit, Workbench& bench) const {
     if (context_.is_late()) {
       if (best_) return {.settings = settings};
       settings.iterations = 0;
     }
-    Trial trial = train_trial(clip_, settings, start, bench);
+    Trial trial = train_trial(clip_, settings, from ? &from->state : nullptr, bench);
+    if (from) {
+      trial.earlier = from->earlier;
+      trial.earlier.push_back(from->settings);
+    }
     finish_trial(clip_, limit, plan_.prunes, bench, trial);
     return trial;
   }

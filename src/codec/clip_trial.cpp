@@ -7,7 +7,6 @@
 #include "codec/atoms.h"
 #include "codec/between.h"
 #include "codec/corrections.h"
-#include "codec/features.h"
 #include "codec/refinement.h"
 #include "codec/seam.h"
 

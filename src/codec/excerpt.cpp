@@ -48,14 +48,7 @@ std::vector<std::size_t> typical_windows(const PreparedClip& clip, const std::ve
   return typical;
 }
 
-template <typename Matrix>
-Matrix columns_of(const Matrix& all, const Samples& samples) {
-  Matrix some(all.rows(), static_cast<Eigen::Index>(samples.size()));
-  for (std::size_t k = 0; k < samples.size(); ++k) some.col(static_cast<Eigen::Index>(k)) = all.col(samples[k]);
-  return some;
-}
-
-/// The same of what a training takes in turns.
+/// These samples of what a training takes in turns.
 std::vector<LaneRows> columns_of(const std::vector<LaneRows>& turns, Eigen::Index all, const Samples& samples) {
   if (turns.empty()) return {};
   const auto stride = static_cast<Eigen::Index>(turns.size());
@@ -105,11 +98,11 @@ std::optional<Excerpt> excerpt_of(const PreparedClip& clip, const std::vector<st
   if (excerpt.share > most) return std::nullopt;
   PreparedClip& made = excerpt.clip;
   made.layout = {clip.layout.states, clip.layout.blocks, clip.layout.parameters, clip.layout.moving,
-                 columns_of(clip.layout.values, taken)};
+                 clip.layout.values(Eigen::all, taken)};
   made.steps = {clip.steps.slot, clip.steps.anchor, {}};
-  if (clip.steps.given.size() > 0) made.steps.given = columns_of(clip.steps.given, taken);
+  if (clip.steps.given.size() > 0) made.steps.given = clip.steps.given(Eigen::all, taken);
   made.coded = clip.coded;
-  made.wanted = columns_of(clip.wanted, taken);
+  made.wanted = clip.wanted(Eigen::all, taken);
   made.offset = columns_of(clip.offset, all, taken);
   made.emphasis = columns_of(clip.emphasis, all, taken);
   for (std::size_t n = 0; n < taken.size(); ++n) excerpt.source.clip.times.push_back(static_cast<float>(n));

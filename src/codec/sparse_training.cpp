@@ -49,7 +49,7 @@ struct Window {
 
 /// Every so-manieth sample of a clip: what one iteration looks at.
 struct Turn {
-  Eigen::Index first = 0, samples = 0;  ///< of the clip, `stride` apart
+  Eigen::Index first = 0;  ///< sample of the clip; the others follow `stride` apart
   MotionMap map;
   Focus focus;
   Rows rest;  ///< what the anchors alone leave: parameters x samples
@@ -224,9 +224,7 @@ class Trainer {
 
   /// The samples first, first + stride, ... below `end` of the clip that a turn has.
   Columns columns_of(const Turn& turn, Eigen::Index first, Eigen::Index end) const {
-    const auto before = [&](Eigen::Index sample) {
-      return std::max<Eigen::Index>(0, (sample - turn.first + stride_ - 1) / stride_);
-    };
+    const auto before = [&](Eigen::Index sample) { return (sample - turn.first + stride_ - 1) / stride_; };
     return {before(first), before(end) - before(first)};
   }
 
@@ -238,8 +236,9 @@ class Trainer {
   void start_turns() {
     map_.forget();
     for (Eigen::Index first = 0; first < stride_; ++first) {
-      const Columns all{0, (samples_ - first + stride_ - 1) / stride_};
-      turns_.push_back({first, all.count, map_, {}, Rows(parameters_, all.count)});
+      Turn turn{first, map_, {}, {}};
+      turn.rest.resize(parameters_, columns_of(turn, 0, samples_).count);
+      turns_.push_back(std::move(turn));
     }
     for_windows([&](Window& window, std::size_t w) {
       const Eigen::Index count = window.weights.level.cols();
@@ -284,7 +283,7 @@ class Trainer {
   void linearise(std::size_t t) {
     forward(t);
     Turn& turn = turns_[t];
-    Eigen::MatrixXd middle = layout_.values(Eigen::all, Eigen::seqN(turn.first, turn.samples, stride_));
+    Eigen::MatrixXd middle = layout_.values(Eigen::all, Eigen::seqN(turn.first, delta_.cols(), stride_));
     for (Eigen::Index i = 0; i < parameters_; ++i)
       middle.row(parameter(i)) += 0.5 * delta_.row(i).matrix().cast<double>();
     turn.map.linearise(middle, input_.threads);
