@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "codec/atoms.h"
+#include "codec/effects.h"
 #include "codec/features.h"
 
 namespace nmc::codec {
@@ -33,18 +34,18 @@ class Corrector {
         bound_(bound),
         aim_(aimed_share * bound),
         asked_(strictness),
-        strictness_(strictness),
+        strictness_(padded(strictness)),
         threads_(threads),
         samples_(layout.values.cols()),
         moving_(static_cast<Eigen::Index>(layout.moving.size())),
-        worst_square_(samples_),
-        worst_point_of_(static_cast<std::size_t>(samples_)) {}
+        worst_square_(strictness_.size()),
+        worst_point_(strictness_.size()) {}
 
   bool run(std::size_t most_atoms) {
     for (int round = 0; round < rounds; ++round) {
       values_ = values_of_levels(clip_, steps_, samples_);
-      error_ = (map_.positions(values_, threads_) - wanted_).rowwise() * asked_;
-      measure(0, samples_);
+      error_ = in_blocks((map_.positions(values_, threads_) - wanted_).rowwise() * asked_);
+      measure_all();
       if (static_cast<double>(worst_square_.maxCoeff()) <= bound_ * bound_) return true;
       map_.linearise(0.5 * (values_ + layout_.values), threads_);
       restored_.assign(static_cast<std::size_t>(samples_), 0);
@@ -89,6 +90,21 @@ class Corrector {
 
   Stretch& stretch_at(Eigen::Index sample) { return stretches_[static_cast<std::size_t>(sample / stretch_samples)]; }
 
+  /// The error rows of one sample.
+  auto errors_of(Eigen::Index n) {
+    return error_.row(n % lanes).segment((n / lanes) * map_.error_rows(), map_.error_rows());
+  }
+  auto errors_of(Eigen::Index n) const {
+    return error_.row(n % lanes).segment((n / lanes) * map_.error_rows(), map_.error_rows());
+  }
+
+  auto errors_of(const BlockRange& blocks) {
+    return error_.middleCols(blocks.first * map_.error_rows(), blocks.count * map_.error_rows());
+  }
+  auto errors_of(const BlockRange& blocks) const {
+    return error_.middleCols(blocks.first * map_.error_rows(), blocks.count * map_.error_rows());
+  }
+
   /// Adds atoms until every sample is within the aim by the linear map. False where that takes too many, or none help.
   bool reach_aim(std::size_t most_atoms) {
     while (static_cast<double>(worst_square_.maxCoeff()) > aim_ * aim_) {
@@ -122,36 +138,54 @@ class Corrector {
   /// Linear predictions are off by a little: where they were, more is asked for.
   void aim_lower() {
     constexpr float more = 1.02f;
-    SampleRow raised = strictness_ / asked_;
-    for (Eigen::Index n = 0; n < samples_; ++n)
-      if (static_cast<double>(worst_square_(n)) > bound_ * bound_) raised(n) *= more;
-    strictness_ = asked_ * raised;
-    error_.rowwise() *= raised;
-    measure(0, samples_);
+    for (Eigen::Index n = 0; n < samples_; ++n) {
+      if (static_cast<double>(worst_square_(n)) > bound_ * bound_) strictness_(n) *= more;
+      errors_of(n) *= strictness_(n) / asked_(n);
+    }
+    measure_all();
   }
 
-  /// Finds the largest error of each of some samples anew.
-  void measure(Eigen::Index from, Eigen::Index count) {
-    auto most = worst_square_.segment(from, count);
-    most.setConstant(-1.0f);
-    SampleRow square(count);
-    for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
-      square = error_.middleRows(map_.first_row(q), map_.row_count(q)).middleCols(from, count).square().colwise().sum();
-      for (Eigen::Index n = 0; n < count; ++n) {
-        if (square(n) <= most(n)) continue;
-        most(n) = square(n);
-        worst_point_of_[static_cast<std::size_t>(from + n)] = q;
+  static constexpr Eigen::Index block_count(Eigen::Index samples) { return (samples + lanes - 1) / lanes; }
+
+  /// With ones beyond the last sample, up to the end of its block.
+  static SampleRow padded(const SampleRow& row) {
+    SampleRow all = SampleRow::Ones(block_count(row.size()) * lanes);
+    all.head(row.size()) = row;
+    return all;
+  }
+
+  void measure_all() {
+    parallel_for(static_cast<std::size_t>(block_count(samples_)), threads_, [&](std::size_t block) {
+      measure({static_cast<Eigen::Index>(block), 1});
+    });
+  }
+
+  /// Finds the largest error of each sample of some blocks anew.
+  void measure(const BlockRange& blocks) {
+    for (Eigen::Index block = blocks.first; block < blocks.first + blocks.count; ++block) {
+      Lanes most = Lanes::Constant(-1.0f);
+      Eigen::Array<int, lanes, 1> point = Eigen::Array<int, lanes, 1>::Zero();
+      for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
+        const Eigen::Index column = block * map_.error_rows() + map_.first_row(q);
+        const Lanes square = error_.middleCols(column, map_.row_count(q)).square().rowwise().sum();
+        for (Eigen::Index lane = 0; lane < lanes; ++lane) {
+          const bool is_more = square(lane) > most(lane);
+          most(lane) = is_more ? square(lane) : most(lane);
+          point(lane) = is_more ? static_cast<int>(q) : point(lane);
+        }
       }
+      worst_square_.segment<lanes>(block * lanes) = most.transpose();
+      worst_point_.segment<lanes>(block * lanes) = point.transpose();
     }
   }
 
-  Eigen::Index worst_point(Eigen::Index n) const { return worst_point_of_[static_cast<std::size_t>(n)]; }
+  Eigen::Index worst_point(Eigen::Index n) const { return worst_point_(n); }
 
   /// The moving parameters that could take most of the worst point's error away: by |J^T e| a step.
   std::vector<Eigen::Index> promising(Eigen::Index n, std::size_t most) const {
-    Rows weight = Rows::Zero(error_.rows(), 1), gradient;
+    Rows weight = Rows::Zero(map_.error_rows(), 1), gradient;
     const Eigen::Index first = map_.first_row(worst_point(n)), count = map_.row_count(worst_point(n));
-    weight.col(0).segment(first, count) = error_.col(n).segment(first, count);
+    weight.col(0).segment(first, count) = errors_of(n).segment(first, count).transpose();
     map_.gradient(weight, gradient, n);
     std::vector<std::pair<double, Eigen::Index>> ranked;
     for (Eigen::Index i = 0; i < moving_; ++i)
@@ -171,7 +205,7 @@ class Corrector {
   std::vector<std::int32_t> levels_for(const Eigen::Array3f& pull, Eigen::Index n, double step) const {
     double ee = 0, ej = 0, jj = 0;
     for (Eigen::Index a = 0; a < map_.row_count(worst_point(n)); ++a) {
-      const double e = error_(map_.first_row(worst_point(n)) + a, n), j = pull(a);
+      const double e = errors_of(n)(map_.first_row(worst_point(n)) + a), j = pull(a);
       ee += e * e;
       ej += e * j;
       jj += j * j;
@@ -195,19 +229,6 @@ class Corrector {
   /// The part of the aim below which a squared error does not count.
   static constexpr float free_share = 0.98f;
 
-  /// Per sample from `first` on: the sum over the endangered points of what their squared errors, in units of the aim,
-  /// lie above the bound after adding shares * effect.
-  void excess(const Effect& effect, const std::vector<std::size_t>& endangered, Eigen::Index first,
-              const SampleRow& shares, SampleRow& sum) const {
-    const auto unit = static_cast<float>(1 / (aim_ * aim_));
-    sum.setZero(shares.size());
-    SampleRow square;
-    for (const std::size_t k : endangered) {
-      map_.square_after(effect, k, first, shares, error_, square);
-      sum += (square * unit - free_share).max(0.0f);
-    }
-  }
-
   /// Atoms of one level, tried at ever larger widths as long as that gains.
   struct Growth {
     std::int32_t level = 0;
@@ -217,12 +238,16 @@ class Corrector {
     bool goes_on() const { return falls < 2; }
   };
 
+  Lanes strict(Eigen::Index block) const { return strictness_.segment<lanes>(block * lanes).transpose(); }
+
   /// What one unit of a parameter does around sample n, as far as atoms of this width reach.
   Effect effect_around(Eigen::Index moving, Eigen::Index n, int width) const {
     const Eigen::Index reach = (Eigen::Index{1} << width) - 1;
     const Eigen::Index from = std::max<Eigen::Index>(0, n - reach), end = std::min(samples_, n + reach + 1);
-    Effect effect = map_.effect(moving, from, end - from);
-    effect.values.rowwise() *= strictness_.segment(from, end - from);
+    Effect effect = map_.effect(moving, BlockRange::of(from, end - from));
+    const Eigen::Index columns = effect.column(0, 1);
+    for (Eigen::Index b = 0; b < effect.blocks.count; ++b)
+      effect.values.middleCols(b * columns, columns).colwise() *= strict(effect.blocks.first + b);
     return effect;
   }
 
@@ -239,7 +264,8 @@ class Corrector {
       if (last_width == stages.front()) {
         const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point(n)) - effect.points.begin();
         if (at == std::ssize(effect.points)) return best;
-        for (const std::int32_t level : levels_for(effect.values.col(n - effect.from).segment<3>(3 * at), n, step)) {
+        const Eigen::Index column = effect.column(static_cast<std::size_t>(at), n / lanes - effect.blocks.first);
+        for (const std::int32_t level : levels_for(effect.values.row(n % lanes).segment<3>(column), n, step)) {
           growths.push_back({level});
           largest_level = std::max(largest_level, std::abs(level));
         }
@@ -258,29 +284,43 @@ class Corrector {
     int parameter = 0;
   };
 
+  /// What an atom adds to its parameter.
+  struct Spread {
+    BlockRange reached;  ///< what it reaches
+    LaneRows shares;     ///< one column for each block of an effect
+
+    bool has(Eigen::Index block) const { return block >= reached.first && block < reached.first + reached.count; }
+  };
+
+  Spread spread_of(Eigen::Index n, int width, double amount, const BlockRange& blocks) const {
+    const Eigen::Index half = (Eigen::Index{1} << width) - 1;
+    const Eigen::Index first = std::max<Eigen::Index>(0, n - half), end = std::min(samples_, n + half + 1);
+    Spread spread{BlockRange::of(first, end - first), LaneRows::Zero(lanes, blocks.count)};
+    for (Eigen::Index m = first; m < end; ++m)
+      spread.shares(m % lanes, m / lanes - blocks.first) =
+          static_cast<float>(amount * atom_share(std::abs(m - n), width));
+    return spread;
+  }
+
   /// Tries atoms of some widths within an effect; none moves a point by more than `most` times the effect.
   void grow(const Place& place, const Effect& effect, float most, int first_width, int last_width,
             std::vector<Growth>& growths, std::optional<Candidate>& best) const {
-    const Eigen::Index from = effect.from, end = from + effect.values.cols(), n = place.sample;
     const double step = steps_.anchor(place.parameter);
-    const std::vector<std::size_t> endangered =
-        map_.endangered(effect, from, end - from, most, error_, static_cast<float>(aim_) * std::sqrt(free_share));
-    SampleRow before, after;
-    excess(effect, endangered, from, SampleRow::Zero(end - from), before);
+    const std::vector<Parabola> near =
+        endangered(map_, effect, most, errors_of(effect.blocks), static_cast<float>(aim_) * std::sqrt(free_share));
     for (Growth& growth : growths)
       for (int width = first_width; width <= last_width && growth.goes_on(); ++width) {
-        const Eigen::Index half = (Eigen::Index{1} << width) - 1;
-        const Eigen::Index first = std::max(from, n - half), last = std::min(end, n + half + 1);
-        SampleRow shares(last - first);
-        for (Eigen::Index m = first; m < last; ++m)
-          shares(m - first) = static_cast<float>(growth.level * step * atom_share(std::abs(m - n), width));
-        excess(effect, endangered, first, shares, after);
-        const double fall = static_cast<double>((before.segment(first - from, last - first) - after).sum());
+        const Spread spread = spread_of(place.sample, width, growth.level * step, effect.blocks);
+        double fall = 0;
+        for (const Parabola& part : near)
+          if (spread.has(effect.blocks.first + part.block))
+            fall +=
+                static_cast<double>((part.square.max(1.0f) - part.at(spread.shares.col(part.block)).max(1.0f)).sum());
         const double gain = fall / (18 + 2 * std::log2(std::abs(growth.level) + 1));
         growth.falls = gain < growth.last_gain ? growth.falls + 1 : 0;
         growth.last_gain = gain;
         if (gain > 0 && (!best || gain > best->gain))
-          best = Candidate{{static_cast<std::uint32_t>(n), place.parameter, width, growth.level}, gain, {}};
+          best = Candidate{{static_cast<std::uint32_t>(place.sample), place.parameter, width, growth.level}, gain, {}};
       }
   }
 
@@ -307,26 +347,22 @@ class Corrector {
 
   void apply(const Candidate& candidate) {
     const LevelAtom& atom = candidate.atom;
-    const double step = steps_.anchor(atom.parameter);
-    const auto n = static_cast<Eigen::Index>(atom.sample), half = (Eigen::Index{1} << atom.width) - 1;
-    const Eigen::Index first = std::max<Eigen::Index>(0, n - half), count = std::min(samples_, n + half + 1) - first;
-    SampleRow shares(count);
-    for (Eigen::Index m = 0; m < count; ++m)
-      shares(m) = static_cast<float>(atom.level * step * atom_share(std::abs(first + m - n), atom.width));
-    map_.add(candidate.effect, first, shares, error_);
-    measure(first, count);
+    const Spread spread = spread_of(static_cast<Eigen::Index>(atom.sample), atom.width,
+                                    atom.level * steps_.anchor(atom.parameter), candidate.effect.blocks);
+    add_effect(map_, candidate.effect, spread.shares, errors_of(candidate.effect.blocks));
+    measure(spread.reached);
   }
 
   /// What one level of each moving parameter does to one sample's errors: error rows x moving parameters.
   Eigen::MatrixXf level_effects(Eigen::Index n) const {
-    Eigen::MatrixXf effects = Eigen::MatrixXf::Zero(error_.rows(), moving_);
+    Eigen::MatrixXf effects = Eigen::MatrixXf::Zero(map_.error_rows(), moving_);
     for (Eigen::Index i = 0; i < moving_; ++i) {
-      const Effect effect = map_.effect(i, n, 1);
+      const Effect effect = map_.effect(i, BlockRange::of(n, 1));
       for (std::size_t k = 0; k < effect.points.size(); ++k) {
         const Eigen::Index q = effect.points[k], count = map_.row_count(q);
         effects.col(i).segment(map_.first_row(q), count) =
             strictness_(n) * static_cast<float>(step_of(i)) *
-            effect.values.col(0).segment(3 * static_cast<Eigen::Index>(k), count);
+            effect.values.row(n % lanes).segment(effect.column(k, 0), count).transpose().matrix();
       }
     }
     return effects;
@@ -347,7 +383,7 @@ class Corrector {
   bool settle_sample(Eigen::Index n) {
     constexpr Eigen::Index most = 32;
     const Eigen::MatrixXf effects = level_effects(n);
-    const Eigen::VectorXf start = error_.col(n).matrix();
+    const Eigen::VectorXf start = errors_of(n).transpose().matrix();
     Eigen::VectorXf error = start, amounts;
     std::vector<Eigen::Index> chosen;
     while (static_cast<Eigen::Index>(chosen.size()) < std::min(most, moving_)) {
@@ -373,8 +409,8 @@ class Corrector {
     const Rows error = exact_error(n, atoms);
     if (squares(error.matrix()).maxCoeff() > 1) return false;
     for (const LevelAtom& atom : atoms) put(atom);
-    error_.col(n) = error;
-    measure(n, 1);
+    errors_of(n) = error.col(0).transpose();
+    measure(BlockRange::of(n, 1));
     return true;
   }
 
@@ -423,8 +459,8 @@ class Corrector {
         needed_atoms(missing_by_target(layout_, steps_, n, 1, values_),
                      [&](const std::vector<LevelAtom>& some) { return sample_excess(exact_error(n, some).matrix()); });
     for (const LevelAtom& atom : atoms) put(atom);
-    error_.col(n) = exact_error(n, {});
-    measure(n, 1);
+    errors_of(n) = exact_error(n, {}).col(0).transpose();
+    measure(BlockRange::of(n, 1));
     return true;
   }
 
@@ -459,14 +495,14 @@ class Corrector {
   MotionMap& map_;
   const Rows& wanted_;
   double bound_, aim_;
-  SampleRow asked_, strictness_;  ///< by the caller, and with what is aimed lower
+  SampleRow asked_, strictness_;  ///< by the caller; with what is aimed lower, up to the end of the last block
   int threads_;
   Eigen::Index samples_, moving_;
-  SampleRow worst_square_;                    ///< per sample: the largest squared error
-  std::vector<Eigen::Index> worst_point_of_;  ///< per sample
-  Rows error_;                                ///< times the strictness
-  Eigen::MatrixXd values_;                    ///< what the levels mean, all parameters x samples
-  std::vector<int> restored_;                 ///< per sample: how often
+  SampleRow worst_square_;                            ///< per sample: the largest squared error
+  Eigen::Array<int, 1, Eigen::Dynamic> worst_point_;  ///< per sample
+  LaneRows error_;                                    ///< times the strictness
+  Eigen::MatrixXd values_;                            ///< what the levels mean, all parameters x samples
+  std::vector<int> restored_;                         ///< per sample: how often
   std::vector<Stretch> stretches_;
 };
 

@@ -407,6 +407,7 @@ void MotionMap::gradient(const Rows& weight, Rows& gradient, Eigen::Index from) 
     state.setZero();
     for (Eigen::Index q = 0; q < point_count(); ++q) {
       e = weights.middleCols(3 * q, 3);
+      if ((e == 0).all()) continue;
       pull(q, block, e, state);
     }
     found.setZero(lanes, free_count_);
@@ -506,7 +507,7 @@ double MotionMap::descend(const Rows& delta, const LaneRows& offset, const Point
   return std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(samples_);
 }
 
-Effect MotionMap::effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index count) const {
+Effect MotionMap::effect(Eigen::Index parameter, const BlockRange& blocks) const {
   const auto holds = [&](const Property& property) {
     return property.free >= 0 && parameter >= property.free && parameter < property.free + property.width;
   };
@@ -517,7 +518,7 @@ Effect MotionMap::effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index
                (mover.parent >= 0 && moved[static_cast<std::size_t>(mover.parent)]);
   }
   Effect effect;
-  effect.from = from;
+  effect.blocks = blocks;
   for (Eigen::Index q = 0; q < point_count(); ++q) {
     const auto first = shares_.begin() + static_cast<std::ptrdiff_t>(first_[static_cast<std::size_t>(q)]),
                last = shares_.begin() + static_cast<std::ptrdiff_t>(first_[static_cast<std::size_t>(q) + 1]);
@@ -528,70 +529,39 @@ Effect MotionMap::effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index
   const std::size_t points = effect.points.size();
   for (std::size_t m = 0; m < morphs_.size(); ++m)
     if (morphs_[m].free == parameter) effect.points.push_back(point_count() + static_cast<Eigen::Index>(m));
-  effect.values.setZero(3 * static_cast<Eigen::Index>(effect.points.size()), count);
-  for (std::size_t k = points; k < effect.points.size(); ++k)
-    effect.values.row(3 * static_cast<Eigen::Index>(k))
-        .setConstant(static_cast<float>(morphs_[static_cast<std::size_t>(effect.points[k] - point_count())].reach));
+  effect.values.setZero(lanes, effect.column(0, blocks.count));
   LaneRows moves = LaneRows::Zero(lanes, free_count_),
            state = LaneRows::Zero(lanes, state_width() * static_cast<Eigen::Index>(movers_.size())), e(lanes, 3);
-  moves.col(parameter).setOnes();
-  for (Eigen::Index block = from / lanes; block * lanes < from + count; ++block) {
-    const Overlap part = overlap(block, from, count);
+  for (Eigen::Index b = 0; b < blocks.count; ++b) {
+    const Eigen::Index block = blocks.first + b, inside = std::min(lanes, samples_ - block * lanes);
+    moves.col(parameter).setZero();
+    moves.col(parameter).head(inside).setOnes();
     for (std::size_t i = 0; i < movers_.size(); ++i)
       if (moved[i]) move(i, block, moves, state);
     for (std::size_t k = 0; k < points; ++k) {
       point_error(effect.points[k], block, state, e);
-      for (int a = 0; a < 3; ++a)
-        effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(part.column, part.size) =
-            e.col(a).segment(part.lane, part.size).transpose();
+      effect.values.middleCols(effect.column(k, b), 3) = e;
+    }
+    for (std::size_t k = points; k < effect.points.size(); ++k) {
+      const auto reach = morphs_[static_cast<std::size_t>(effect.points[k] - point_count())].reach;
+      effect.values.col(effect.column(k, b)).head(inside).setConstant(static_cast<float>(reach));
     }
   }
   return effect;
 }
 
-void MotionMap::add(const Effect& effect, Eigen::Index first, const SampleRow& shares, Rows& error) const {
-  const Eigen::Index count = shares.size();
-  for (std::size_t k = 0; k < effect.points.size(); ++k)
-    for (Eigen::Index a = 0; a < row_count(effect.points[k]); ++a)
-      error.row(first_row(effect.points[k]) + a).segment(first, count) +=
-          shares * effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - effect.from, count);
-}
-
-std::vector<std::size_t> MotionMap::endangered(const Effect& effect, Eigen::Index first, Eigen::Index count,
-                                               float amount, const Rows& error, float limit) const {
-  std::vector<std::size_t> found;
-  SampleRow square;
-  const auto largest = [&](const Rows& rows, Eigen::Index row, Eigen::Index height, Eigen::Index from) {
-    square = rows.row(row).segment(from, count).square();
-    for (Eigen::Index a = 1; a < height; ++a) square += rows.row(row + a).segment(from, count).square();
-    return std::sqrt(square.maxCoeff());
-  };
-  for (std::size_t k = 0; k < effect.points.size(); ++k) {
-    const Eigen::Index q = effect.points[k], height = row_count(q);
-    const float step = amount * largest(effect.values, 3 * static_cast<Eigen::Index>(k), height, first - effect.from);
-    if (largest(error, first_row(q), height, first) + step > limit) found.push_back(k);
-  }
-  return found;
-}
-
-void MotionMap::square_after(const Effect& effect, std::size_t k, Eigen::Index first, const SampleRow& shares,
-                             const Rows& error, SampleRow& square) const {
-  const Eigen::Index count = shares.size(), q = effect.points[k];
-  square.setZero(count);
-  for (Eigen::Index a = 0; a < row_count(q); ++a)
-    square += (error.row(first_row(q) + a).segment(first, count) +
-               shares * effect.values.row(3 * static_cast<Eigen::Index>(k) + a).segment(first - effect.from, count))
-                  .square();
-}
-
 Eigen::VectorXd MotionMap::reach() const {
   Eigen::VectorXd reach(free_count_);
   for (Eigen::Index i = 0; i < free_count_; ++i) {
-    const Effect unit = effect(i, 0, samples_);
-    SampleRow most = SampleRow::Zero(samples_);
-    for (std::size_t k = 0; k < unit.points.size(); ++k)
-      most = most.max(unit.values.middleRows(3 * static_cast<Eigen::Index>(k), 3).square().colwise().sum());
-    reach(i) = std::sqrt(static_cast<double>(most.mean()));
+    const Effect unit = effect(i, {0, block_count()});
+    double sum = 0;
+    for (Eigen::Index b = 0; b < unit.blocks.count; ++b) {
+      Lanes most = Lanes::Zero();
+      for (std::size_t k = 0; k < unit.points.size(); ++k)
+        most = most.max(unit.values.middleCols<3>(unit.column(k, b)).square().rowwise().sum());
+      sum += static_cast<double>(most.sum());
+    }
+    reach(i) = std::sqrt(sum / static_cast<double>(samples_));
   }
   return reach;
 }

@@ -45,11 +45,26 @@ struct Focus {
   std::vector<std::vector<Seen>> blocks;  ///< per block of samples
 };
 
-/// What one step of a free parameter does to the points that it moves.
+/// The blocks that samples first ... first + count - 1 lie in.
+struct BlockRange {
+  Eigen::Index first = 0, count = 0;
+
+  static BlockRange of(Eigen::Index first_sample, Eigen::Index samples) {
+    const Eigen::Index first = first_sample / lanes;
+    return {first, (first_sample + samples - 1) / lanes - first + 1};
+  }
+};
+
+/// What one unit of a free parameter does to the points that it moves.
 struct Effect {
   std::vector<Eigen::Index> points;  ///< ascending; a morph target m is point_count() + m
-  Rows values;                       ///< three rows per entry of `points` (a morph target uses the first) x samples
-  Eigen::Index from = 0;             ///< the first of these samples
+  BlockRange blocks;
+  LaneRows values;  ///< three columns (a morph target uses the first) per entry of `points`, of each block
+
+  /// The first column of points[k] in the b-th of the blocks.
+  Eigen::Index column(std::size_t k, Eigen::Index b) const {
+    return 3 * (b * static_cast<Eigen::Index>(points.size()) + static_cast<Eigen::Index>(k));
+  }
 };
 
 /// Which parameters of a layout a map takes as free.
@@ -102,20 +117,8 @@ class MotionMap {
   double descend(const Rows& delta, const LaneRows& offset, const PointLoss& loss, const Focus* focus, int threads,
                  Rows& gradient) const;
 
-  /// J times one unit of a free parameter at samples from ... from + count - 1.
-  Effect effect(Eigen::Index parameter, Eigen::Index from, Eigen::Index count) const;
-
-  /// error += shares * effect, at the samples from `first` on (all within the effect's).
-  void add(const Effect& effect, Eigen::Index first, const SampleRow& shares, Rows& error) const;
-
-  /// Those of the effect's points (as indices into them) whose error could get above `limit` at `count` samples from
-  /// `first` on by adding up to `amount` times the effect.
-  std::vector<std::size_t> endangered(const Effect& effect, Eigen::Index first, Eigen::Index count, float amount,
-                                      const Rows& error, float limit) const;
-
-  /// The squared error of the effect's k-th point at these samples after adding shares * effect.
-  void square_after(const Effect& effect, std::size_t k, Eigen::Index first, const SampleRow& shares, const Rows& error,
-                    SampleRow& square) const;
+  /// J times one unit of a free parameter; beyond the last sample zero.
+  Effect effect(Eigen::Index parameter, const BlockRange& blocks) const;
 
   /// Root over samples of the mean of max over points |dp / dparameter|^2, per free parameter; world units per unit.
   Eigen::VectorXd reach() const;

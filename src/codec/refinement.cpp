@@ -5,18 +5,27 @@
 #include <map>
 
 #include "base/parallel.h"
+#include "codec/effects.h"
 #include "codec/features.h"
 
 namespace nmc::codec {
 namespace {
 
-/// A window's levels as a matrix.
+/// A window's levels as a matrix, and its samples' errors.
 struct DenseWindow {
   Eigen::Index first = 0, samples = 0;
-  Eigen::MatrixXf features;                ///< features x samples
+  BlockRange blocks;                       ///< that the samples lie in
+  Eigen::MatrixXf features;                ///< samples of the blocks x features; zero outside of the window
+  float largest_feature = 0;               ///< of the numbers
   Eigen::VectorXf step;                    ///< per moving parameter
   Eigen::MatrixXi levels;                  ///< moving parameters x features
+  LaneRows error;                          ///< of the blocks; zero outside of the window
   std::map<Eigen::Index, Effect> effects;  ///< those asked for, by moving parameter
+
+  /// `amount` times a feature, one column per block.
+  LaneRows shares(Eigen::Index feature, float amount) const {
+    return amount * Eigen::Map<const LaneRows>(features.col(feature).data(), lanes, blocks.count);
+  }
 };
 
 /// About how many bits a level costs: the shape of the coder's numbers with usual contexts.
@@ -44,7 +53,11 @@ class Refiner {
       window.samples = w + 1 == clip.windows.size() ? samples_ - window.first : static_cast<Eigen::Index>(from.length);
       int most = 0;
       for (const LevelWeight& weight : from.weights) most = std::max(most, weight.feature);
-      window.features = window_features(clip.basis, from.length, most, window.samples).cast<float>();
+      window.blocks = BlockRange::of(window.first, window.samples);
+      window.features.setZero(window.blocks.count * lanes, most);
+      window.features.middleRows(window.first - window.blocks.first * lanes, window.samples) =
+          window_features(clip.basis, from.length, most, window.samples).cast<float>().transpose();
+      if (most > 0) window.largest_feature = window.features.cwiseAbs().maxCoeff();
       const double scale = weight_scale(clip.step_exponent, from.length);
       window.step.resize(moving_);
       for (Eigen::Index i = 0; i < moving_; ++i) window.step(i) = static_cast<float>(steps.slot(parameter(i)) * scale);
@@ -75,7 +88,8 @@ class Refiner {
   }
 
   void prune() {
-    if (largest() > bound_) return;
+    if (!std::all_of(windows_.begin(), windows_.end(), [&](const DenseWindow& window) { return is_within(window); }))
+      return;
     parallel_for(windows_.size(), threads_, [&](std::size_t w) { prune_window(windows_[w]); });
     store();
   }
@@ -85,20 +99,31 @@ class Refiner {
 
   void start() {
     Eigen::MatrixXd values = values_of_levels(clip_, steps_, samples_);
-    error_ = map_.positions(values, threads_) - wanted_;
+    const Rows error = map_.positions(values, threads_) - wanted_;
+    for (DenseWindow& window : windows_) {
+      Rows part = Rows::Zero(error.rows(), window.blocks.count * lanes);
+      part.middleCols(window.first - window.blocks.first * lanes, window.samples) =
+          error.middleCols(window.first, window.samples);
+      window.error = in_blocks(part);
+    }
     values = 0.5 * (values + layout_.values);
     map_.linearise(values, threads_);
   }
 
-  /// What squared errors (in units of the bound) above one weigh.
-  static SampleRow excess_of(const SampleRow& square) { return (square - 1.0f).max(0.0f).square(); }
+  Eigen::Index error_column(Eigen::Index block, Eigen::Index q) const {
+    return block * map_.error_rows() + map_.first_row(q);
+  }
 
-  double largest() const {
-    float most = 0;
-    for (Eigen::Index q = 0; q < map_.seen_count(); ++q)
-      most =
-          std::max(most, error_.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum().maxCoeff());
-    return std::sqrt(static_cast<double>(most));
+  /// The squared error of one point in one block of a window, in units of the bound.
+  Lanes square_of(const DenseWindow& window, Eigen::Index block, Eigen::Index q) const {
+    return unit() * window.error.middleCols(error_column(block, q), map_.row_count(q)).square().rowwise().sum();
+  }
+
+  bool is_within(const DenseWindow& window) const {
+    for (Eigen::Index b = 0; b < window.blocks.count; ++b)
+      for (Eigen::Index q = 0; q < map_.seen_count(); ++q)
+        if (square_of(window, b, q).maxCoeff() > 1) return false;
+    return true;
   }
 
   float unit() const { return static_cast<float>(1 / (bound_ * bound_)); }
@@ -106,69 +131,60 @@ class Refiner {
   /// The effect of a parameter on the window's samples; valid until the next call.
   const Effect& effect_of(DenseWindow& window, Eigen::Index i) const {
     if (const auto known = window.effects.find(i); known != window.effects.end()) return known->second;
-    if (static_cast<Eigen::Index>(window.effects.size()) * window.samples * error_.rows() >= most_numbers)
-      window.effects.clear();
-    return window.effects.emplace(i, map_.effect(i, window.first, window.samples)).first->second;
+    if (static_cast<Eigen::Index>(window.effects.size()) * window.error.size() >= most_numbers) window.effects.clear();
+    return window.effects.emplace(i, map_.effect(i, window.blocks)).first->second;
   }
 
-  /// Points that one step of any of a parameter's levels could bring above the bound.
-  std::vector<std::size_t> endangered_by(const Effect& effect, const DenseWindow& window, Eigen::Index i) const {
-    const float amount = window.step(i) * window.features.cwiseAbs().maxCoeff();
-    return map_.endangered(effect, window.first, window.samples, amount, error_, static_cast<float>(bound_));
+  /// Where one step of any of a parameter's levels could bring points above the bound.
+  std::vector<Parabola> endangered_by(const Effect& effect, const DenseWindow& window, Eigen::Index i) const {
+    return endangered(map_, effect, window.step(i) * window.largest_feature, window.error, static_cast<float>(bound_));
   }
 
-  double excess_after(const Effect& effect, const std::vector<std::size_t>& endangered, Eigen::Index first,
-                      const SampleRow& change) const {
+  /// What squared errors above the bound weigh after adding these shares of an effect.
+  static double excess_after(const std::vector<Parabola>& near, const LaneRows& shares) {
     double sum = 0;
-    SampleRow square;
-    for (const std::size_t k : endangered) {
-      map_.square_after(effect, k, first, change, error_, square);
-      sum += static_cast<double>(excess_of(square * unit()).sum());
-    }
+    for (const Parabola& part : near)
+      sum += static_cast<double>((part.at(shares.col(part.block)) - 1.0f).max(0.0f).square().sum());
     return sum;
   }
 
-  bool goes_above(const Effect& effect, const std::vector<std::size_t>& endangered, Eigen::Index first,
-                  const SampleRow& change) const {
-    SampleRow square;
-    return std::any_of(endangered.begin(), endangered.end(), [&](std::size_t k) {
-      map_.square_after(effect, k, first, change, error_, square);
-      return square.maxCoeff() * unit() > 1.0f;
-    });
+  static bool goes_above(const std::vector<Parabola>& near, const LaneRows& shares) {
+    return std::any_of(near.begin(), near.end(),
+                       [&](const Parabola& part) { return part.at(shares.col(part.block)).maxCoeff() > 1.0f; });
   }
 
-  /// The slope of the window's excess by every moving parameter at every sample; empty where nothing is above the
-  /// bound.
+  /// The slope of the window's excess by every moving parameter at every sample of its blocks; empty where nothing is
+  /// above the bound.
   Eigen::MatrixXf slopes(const DenseWindow& window) const {
-    const auto error = error_.middleCols(window.first, window.samples);
-    Rows weight = Rows::Zero(error_.rows(), window.samples), gradient;
-    bool is_above = false;
-    for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
-      const SampleRow square = error.middleRows(map_.first_row(q), map_.row_count(q)).square().colwise().sum() * unit();
-      if (square.maxCoeff() <= 1) continue;
-      is_above = true;
-      const SampleRow pull = 4 * unit() * (square - 1.0f).max(0.0f);
-      for (Eigen::Index a = 0; a < map_.row_count(q); ++a)
-        weight.row(map_.first_row(q) + a) = pull * error.row(map_.first_row(q) + a);
-    }
-    if (!is_above) return {};
-    map_.gradient(weight, gradient, window.first);
+    Rows weight, gradient;
+    for (Eigen::Index b = 0; b < window.blocks.count; ++b)
+      for (Eigen::Index q = 0; q < map_.seen_count(); ++q) {
+        const Lanes square = square_of(window, b, q);
+        if (square.maxCoeff() <= 1) continue;
+        if (weight.size() == 0) weight.setZero(map_.error_rows(), window.blocks.count * lanes);
+        const Lanes pull = 4 * unit() * (square - 1.0f).max(0.0f);
+        for (Eigen::Index a = 0; a < map_.row_count(q); ++a)
+          weight.row(map_.first_row(q) + a).segment<lanes>(b * lanes) =
+              (pull * window.error.col(error_column(b, q) + a)).transpose();
+      }
+    if (weight.size() == 0) return {};
+    map_.gradient(weight, gradient, window.blocks.first * lanes);
     return gradient.matrix();
   }
 
   void prune_window(DenseWindow& window) {
     for (Eigen::Index i = 0; i < moving_; ++i) {
       if ((window.levels.row(i).array() == 0).all()) continue;
-      const Effect effect = map_.effect(i, window.first, window.samples);
-      std::vector<std::size_t> endangered = endangered_by(effect, window, i);
+      const Effect effect = map_.effect(i, window.blocks);
+      std::vector<Parabola> near = endangered_by(effect, window, i);
       for (Eigen::Index j = window.levels.cols(); j-- > 0;) {
         const int level = window.levels(i, j);
         if (level == 0) continue;
-        const SampleRow change = window.features.row(j).array() * (level > 0 ? -window.step(i) : window.step(i));
-        if (goes_above(effect, endangered, window.first, change)) continue;
+        const LaneRows shares = window.shares(j, level > 0 ? -window.step(i) : window.step(i));
+        if (goes_above(near, shares)) continue;
         window.levels(i, j) -= level > 0 ? 1 : -1;
-        map_.add(effect, window.first, change, error_);
-        endangered = endangered_by(effect, window, i);
+        add_effect(map_, effect, shares, window.error);
+        near = endangered_by(effect, window, i);
       }
     }
   }
@@ -182,7 +198,7 @@ class Refiner {
   bool repair_once(DenseWindow& window) {
     const Eigen::MatrixXf gradient = slopes(window);
     if (gradient.size() == 0) return false;
-    const Eigen::MatrixXf slope = window.step.asDiagonal() * gradient * window.features.transpose();
+    const Eigen::MatrixXf slope = window.step.asDiagonal() * gradient * window.features;
     std::vector<Move> moves;
     for (Eigen::Index i = 0; i < moving_; ++i) {
       double most = 0;
@@ -208,14 +224,13 @@ class Refiner {
                      [&](Eigen::Index a, Eigen::Index b) { return std::abs(slope(a)) > std::abs(slope(b)); });
     if (order.size() > most) order.resize(most);
     const Effect& effect = effect_of(window, i);
-    const std::vector<std::size_t> endangered = endangered_by(effect, window, i);
-    const double before = excess_after(effect, endangered, window.first, SampleRow::Zero(window.samples));
+    const std::vector<Parabola> near = endangered_by(effect, window, i);
+    const double before = excess_after(near, LaneRows::Zero(lanes, window.blocks.count));
     double best_gain = 0;
     Eigen::Index best = -1;
     for (const Eigen::Index j : order) {
       const int direction = slope(j) > 0 ? -1 : 1;
-      const SampleRow change = window.features.row(j).array() * (window.step(i) * static_cast<float>(direction));
-      const double fall = before - excess_after(effect, endangered, window.first, change);
+      const double fall = before - excess_after(near, window.shares(j, window.step(i) * static_cast<float>(direction)));
       const double bits = bits_of(window.levels(i, j) + direction) - bits_of(window.levels(i, j));
       const double gain = fall / std::max(1.0, 4 + bits);
       if (fall > 1e-4 * before && gain > best_gain) {
@@ -226,8 +241,7 @@ class Refiner {
     if (best < 0) return false;
     const int direction = slope(best) > 0 ? -1 : 1;
     window.levels(i, best) += direction;
-    map_.add(effect, window.first, window.features.row(best).array() * (window.step(i) * static_cast<float>(direction)),
-             error_);
+    add_effect(map_, effect, window.shares(best, window.step(i) * static_cast<float>(direction)), window.error);
     return true;
   }
 
@@ -251,7 +265,6 @@ class Refiner {
   int threads_;
   Eigen::Index samples_, moving_;
   std::vector<DenseWindow> windows_;
-  Rows error_;
   static constexpr Eigen::Index most_numbers = 1 << 22;  ///< of a window's effects, kept at a time
 };
 
