@@ -5,8 +5,6 @@
 namespace nmc::codec {
 namespace {
 
-using Matrix = Eigen::MatrixXf;
-
 /// Adds to each number of a row those so many columns before and after it.
 template <typename Row, typename From>
 void add_neighbours(Row&& row, const From& from, Eigen::Index distance, float share) {
@@ -17,10 +15,10 @@ void add_neighbours(Row&& row, const From& from, Eigen::Index distance, float sh
 }
 
 /// The mean size around each level of window w.
-Matrix mean_around(const std::vector<Matrix>& sizes, std::size_t w, const ClipLayout& layout) {
+Weights mean_around(const std::vector<Weights>& sizes, std::size_t w, const ClipLayout& layout) {
   constexpr float beside = 2;
-  const Matrix& size = sizes[w];
-  Matrix sum = Matrix::Zero(size.rows(), size.cols());
+  const Weights& size = sizes[w];
+  Weights sum = Weights::Zero(size.rows(), size.cols());
   float common = 6;
   for (const std::size_t other : {w - 1, w + 1}) {
     if (other >= sizes.size()) continue;
@@ -48,17 +46,17 @@ Matrix mean_around(const std::vector<Matrix>& sizes, std::size_t w, const ClipLa
 
 /// Bits by which one more step lengthens the code of a geometric distribution with this mean, and a little for the
 /// sign and for what the mean does not tell; in units of what the smooth rate says.
-Matrix prices_of(const Matrix& mean) {
+Weights prices_of(const Weights& mean) {
   constexpr float least_mean = 0.02f, least_bits = 0.5f, usual_bits = 2, log2_e = 1.442695041f;
   return ((least_bits + (1 + (mean.array() + least_mean).inverse()).log() * log2_e) / usual_bits).matrix();
 }
 
 }  // namespace
 
-std::vector<Matrix> level_prices(const std::vector<Matrix>& levels, const ClipLayout& layout) {
+std::vector<Weights> level_prices(const std::vector<Weights>& levels, const ClipLayout& layout) {
   constexpr float largest = 8;  // among still larger levels a step costs no less
-  std::vector<Matrix> sizes, prices;
-  for (const Matrix& level : levels) sizes.push_back(level.array().round().abs().min(largest).matrix());
+  std::vector<Weights> sizes, prices;
+  for (const Weights& level : levels) sizes.push_back(level.array().round().abs().min(largest).matrix());
   for (std::size_t w = 0; w < sizes.size(); ++w) prices.push_back(prices_of(mean_around(sizes, w, layout)));
   return prices;
 }

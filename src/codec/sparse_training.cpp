@@ -6,7 +6,6 @@
 #include "base/parallel.h"
 #include "codec/atoms.h"
 #include "codec/features.h"
-#include "codec/level_prices.h"
 
 namespace nmc::codec {
 namespace {
@@ -15,36 +14,45 @@ using Matrix = Eigen::MatrixXf;
 /// Parameters x samples, laid out as the errors are.
 using Curves = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+struct AdamStep {
+  float speed = 0, first_correction = 1, second_correction = 1;
+};
+
 /// Numbers under training with the moments of Adam (Kingma and Ba 2015).
 struct Trained {
-  Matrix level, gradient, first, second;
+  Weights level, gradient, first, second;
 
-  void start(Matrix levels) {
+  void start(Weights levels) {
     level = std::move(levels);
-    gradient = first = second = Matrix::Zero(level.rows(), level.cols());
+    gradient = first = second = Weights::Zero(level.rows(), level.cols());
   }
 
   /// Keeps the first columns.
   void shorten(Eigen::Index columns) {
-    for (Matrix* part : {&level, &gradient, &first, &second}) *part = part->leftCols(columns).eval();
+    for (Weights* part : {&level, &gradient, &first, &second}) *part = part->leftCols(columns).eval();
   }
 
-  void step(float rate, float first_correction, float second_correction) {
+  /// One step of the first numbers of a row.
+  void step(Eigen::Index row, Eigen::Index count, const AdamStep& step) {
     constexpr float beta1 = 0.9f, beta2 = 0.99f;
-    first = beta1 * first + (1 - beta1) * gradient;
-    second = beta2 * second + (1 - beta2) * gradient.cwiseAbs2();
-    level.array() -= rate * (first.array() * first_correction) / ((second.array() * second_correction).sqrt() + 1e-8f);
+    const auto slope = gradient.row(row).head(count).array();
+    auto mean = first.row(row).head(count).array(), square = second.row(row).head(count).array();
+    mean = beta1 * mean + (1 - beta1) * slope;
+    square = beta2 * square + (1 - beta2) * slope.square();
+    level.row(row).head(count).array() -=
+        step.speed * (mean * step.first_correction) / ((square * step.second_correction).sqrt() + 1e-8f);
   }
 };
 
 struct Window {
   Eigen::Index first = 0, samples = 0;  ///< owned samples
   std::uint32_t length = 1;
-  std::vector<Matrix> features;  ///< per turn: count x its samples
-  Matrix shares;                 ///< 2 x samples
-  Eigen::VectorXf step;          ///< per parameter
-  Matrix price;                  ///< parameters x count: of a bit of the smooth rate
-  Trained weights;               ///< parameters x count
+  std::vector<Curves> features;     ///< per turn: count x its samples
+  Matrix shares;                    ///< 2 x samples
+  Eigen::VectorXf step;             ///< per parameter
+  Weights price;                    ///< parameters x count: of a bit of the smooth rate
+  std::vector<Eigen::Index> reach;  ///< per parameter: features that it uses and a few more, which most steps are of
+  Trained weights;                  ///< parameters x count
 };
 
 /// Every so-manieth sample of a clip: what one iteration looks at.
@@ -178,7 +186,7 @@ class Trainer {
 
   /// The transform of what the anchors leave, in levels: parameters x features, up to the last feature that could
   /// matter at these steps.
-  Matrix transform(const Window& window, std::size_t w) const {
+  Weights transform(const Window& window, std::size_t w) const {
     const Eigen::Index limit = feature_limit(settings_.basis, window.length);
     const Matrix all = window_features(settings_.basis, window.length, limit, window.samples).cast<float>();
     Matrix rest = truth_.middleCols(window.first, window.samples) - anchor_values(window, w);
@@ -194,14 +202,14 @@ class Trainer {
   }
 
   void start_weights(Window& window, std::size_t w) {
-    Matrix levels = transform(window, w);
+    Weights levels = transform(window, w);
     if (input_.start) levels = continued_levels(input_.start->weights[w], levels.cols());
     window.weights.start(std::move(levels));
   }
 
   /// Levels of an earlier training at these steps; features that it did not have are zero.
-  Matrix continued_levels(const Matrix& earlier, Eigen::Index least) const {
-    Matrix levels = Matrix::Zero(parameters_, std::max(least, earlier.cols()));
+  Weights continued_levels(const Weights& earlier, Eigen::Index least) const {
+    Weights levels = Weights::Zero(parameters_, std::max(least, earlier.cols()));
     const double finer = std::exp2((settings_.step_exponent - input_.start->step_exponent) / 4.0);
     levels.leftCols(earlier.cols()) = earlier * static_cast<float>(finer);
     return levels;
@@ -260,23 +268,47 @@ class Trainer {
     delta_ = turn.rest;
     for_windows([&](const Window& window, std::size_t) {
       const Columns columns = columns_of(turn, window.first, window.first + window.samples);
-      if (window.features[t].size() > 0)
-        delta_.matrix().middleCols(columns.first, columns.count).noalias() +=
-            window.step.asDiagonal() * rounded(window.weights.level) * window.features[t];
+      for (Eigen::Index i = 0; i < parameters_; ++i) {
+        auto row = delta_.row(i).segment(columns.first, columns.count);
+        for (Eigen::Index j = 0; j < window.weights.level.cols(); ++j) {
+          const float level = window.weights.level(i, j);
+          if (std::abs(level) >= 0.5f) row += window.step(i) * std::round(level) * window.features[t].row(j).array();
+        }
+      }
     });
   }
 
-  /// One step of every weight; `speed` and the corrections are Adam's.
-  void backward(std::size_t t, float rate_weight, float speed, float first_correction, float second_correction) {
+  /// One step of the weights: of all, or of those within reach.
+  void backward(std::size_t t, float rate_weight, const AdamStep& step, bool all) {
     const Turn& turn = turns_[t];
     for_windows([&](Window& window, std::size_t) {
-      if (window.features[t].rows() == 0) return;
+      const Curves& features = window.features[t];
+      if (features.rows() == 0) return;
       const Columns columns = columns_of(turn, window.first, window.first + window.samples);
       const auto part = gradient_.matrix().middleCols(columns.first, columns.count);
-      window.weights.gradient.noalias() = window.step.asDiagonal() * part * window.features[t].transpose();
-      window.weights.gradient.array() += rate_weight * window.price.array() * rate_slope(window.weights.level.array());
-      window.weights.step(speed, first_correction, second_correction);
+      Trained& weights = window.weights;
+      if (all) weights.gradient.noalias() = part * features.transpose();
+      for (Eigen::Index i = 0; i < parameters_; ++i) {
+        const Eigen::Index count = all ? features.rows() : window.reach[static_cast<std::size_t>(i)];
+        auto slope = weights.gradient.row(i).head(count);
+        if (!all) slope.noalias() = part.row(i) * features.topRows(count).transpose();
+        slope *= window.step(i);
+        slope.array() += rate_weight * window.price.row(i).head(count).array() *
+                         rate_slope(weights.level.row(i).head(count).array());
+        weights.step(i, count, step);
+      }
+      if (all) find_reach(window);
     });
+  }
+
+  void find_reach(Window& window) const {
+    const Weights& levels = window.weights.level;
+    window.reach.resize(static_cast<std::size_t>(parameters_));
+    for (Eigen::Index i = 0; i < parameters_; ++i) {
+      Eigen::Index used = levels.cols();
+      while (used > 0 && std::abs(levels(i, used - 1)) < 0.5f) --used;
+      window.reach[static_cast<std::size_t>(i)] = std::min(levels.cols(), used + used / 4 + 8);
+    }
   }
 
   /// Halfway between the motion and what the levels stand for.
@@ -321,26 +353,28 @@ class Trainer {
       if (!(gradient_.abs().maxCoeff() < senseless)) return;
       add_shell();
       const auto speed = static_cast<float>(0.15 * 0.5 * (1 + std::cos(3.14159265358979 * progress)));
-      backward(t, rate_weight, speed, static_cast<float>(1 / (1 - std::pow(0.9, it + 1))),
-               static_cast<float>(1 / (1 - std::pow(0.99, it + 1))));
+      backward(t, rate_weight,
+               {speed, static_cast<float>(1 / (1 - std::pow(0.9, it + 1))),
+                static_cast<float>(1 / (1 - std::pow(0.99, it + 1)))},
+               it % refocus < static_cast<int>(turns_.size()));
     }
   }
 
   void price_levels() {
-    std::vector<Matrix> levels;
+    std::vector<Weights> levels;
     for (const Window& window : windows_) levels.push_back(window.weights.level);
-    std::vector<Matrix> prices = level_prices(levels, layout_);
+    std::vector<Weights> prices = level_prices(levels, layout_);
     for (std::size_t w = 0; w < windows_.size(); ++w) windows_[w].price = std::move(prices[w]);
   }
 
   /// The fastest features hardly ever come back once no parameter uses them.
   void drop_unused_features() {
     for (Window& window : windows_) {
-      const Matrix& levels = window.weights.level;
+      const Weights& levels = window.weights.level;
       Eigen::Index count = levels.cols();
       while (count > 0 && levels.col(count - 1).cwiseAbs().maxCoeff() < 0.5f) --count;
       window.weights.shorten(count);
-      for (Matrix& features : window.features) features = features.topRows(count).eval();
+      for (Curves& features : window.features) features = features.topRows(count).eval();
     }
   }
 

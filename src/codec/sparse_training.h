@@ -8,6 +8,7 @@
 
 #include "codec/clip_layout.h"
 #include "codec/clip_set.h"
+#include "codec/level_prices.h"
 #include "codec/motion_map.h"
 #include "codec/parts.h"
 
@@ -31,10 +32,10 @@ struct SparseSettings {
   bool jumps = false;    ///< the given atoms are in use
 };
 
-/// Weights before rounding: where a training ended and another may start.
+/// Where a training ended and another may start: weights before rounding.
 struct TrainingState {
   int step_exponent = 0;
-  std::vector<Eigen::MatrixXf> weights;  ///< per window: moving parameters x features
+  std::vector<Weights> weights;  ///< per window
 };
 
 /// Rows of a clip's samples as TrainingInput takes them.
