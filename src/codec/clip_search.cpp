@@ -35,12 +35,10 @@ class ClipSearch {
     Trial current = best_cut(std::move(cuts), from_each_cut);
     const bool searched = from_each_cut && current.kept;
     if (!current.kept) current = first_within_bound(current);
-    if (current.kept && !searched) descend(current);
-    if (plan_.last_iterations > 0 && current.kept) {
-      SparseSettings last = current.settings;
-      last.iterations = plan_.last_iterations;
-      make_and_take(last, &current);
-    }
+    if (!current.kept) return result(current.settings);
+    std::optional<Trial> last;
+    if (!searched) descend(current, &last);
+    if (plan_.last_iterations > 0) take(last ? *last : make(last_of(current), &current, best_bytes_, bench()));
     return result(current.settings);
   }
 
@@ -49,7 +47,7 @@ class ClipSearch {
   std::vector<SparseSettings> best_trainings(std::vector<SparseSettings> cuts) {
     Trial current = best_cut(std::move(cuts), false);
     if (!current.kept) current = first_within_bound(current);
-    if (current.kept) descend(current);
+    if (current.kept) descend(current, nullptr);
     std::vector<SparseSettings> trainings = std::move(current.earlier);
     trainings.push_back(current.settings);
     if (current.settings.iterations > 0) trainings.back().iterations += plan_.last_iterations;
@@ -130,7 +128,7 @@ class ClipSearch {
     for (CutTrials& cut : cuts) {
       for (const Trial& trial : cut) take(trial);
       Trial& trial = cut.back();
-      if (from_each_cut && trial.kept) descend(trial);
+      if (from_each_cut && trial.kept) descend(trial, nullptr);
       if (best.settings.boundaries.empty() || trial.beats(best)) best = std::move(trial);
     }
     return best;
@@ -184,9 +182,16 @@ class ClipSearch {
     return trial;
   }
 
+  SparseSettings last_of(const Trial& trial) const {
+    SparseSettings settings = trial.settings;
+    settings.iterations = plan_.last_iterations;
+    return settings;
+  }
+
   /// Whichever neighbour is smaller, as long as there is one. Trials that follow a move if it fails are made beside it;
-  /// one that does not follow is dropped, so that the threads change nothing.
-  void descend(Trial& current) {
+  /// one that does not follow is dropped, so that the threads change nothing. `last`: the last training of what is
+  /// found, where it could be made beside others (null: not wanted).
+  void descend(Trial& current, std::optional<Trial>* last) {
     struct Move {
       int exponent;
       double rate;
@@ -196,8 +201,14 @@ class ClipSearch {
     const std::span<const Move> moves(all.data(), effort_ > 5 ? 4 : 3);
     auto left = static_cast<std::size_t>(plan_.trials);
     for (std::size_t failed = 0, at = 0; failed < moves.size() && left > 0;) {
-      std::vector<Trial> next(std::min({benches_.size(), moves.size() - failed, left}));
-      at_once(next.size(), [&](std::size_t k, Workbench& bench) {
+      const std::size_t follow = std::min(moves.size() - failed, left);
+      std::vector<Trial> next(std::min(benches_.size(), follow));
+      const bool has_last = last && plan_.last_iterations > 0 && benches_.size() > follow;
+      at_once(next.size() + (has_last ? 1 : 0), [&](std::size_t k, Workbench& bench) {
+        if (k == next.size()) {
+          last->emplace(make(last_of(current), &current, current.bytes, bench));
+          return;
+        }
         const Move& move = moves[(at + k) % moves.size()];
         next[k] = make(neighbour(current, move.exponent, move.rate, plan_.iterations), &current, current.bytes, bench);
       });
@@ -206,6 +217,7 @@ class ClipSearch {
         take(trial);
         if (trial.beats(current)) {
           current = std::move(trial);
+          if (last) last->reset();
           failed = 0;
           break;
         }

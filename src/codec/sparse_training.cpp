@@ -268,18 +268,30 @@ class Trainer {
     delta_ = turn.rest;
     for_windows([&](const Window& window, std::size_t) {
       const Columns columns = columns_of(turn, window.first, window.first + window.samples);
-      for (Eigen::Index i = 0; i < parameters_; ++i) {
-        auto row = delta_.row(i).segment(columns.first, columns.count);
-        for (Eigen::Index j = 0; j < window.weights.level.cols(); ++j) {
-          const float level = window.weights.level(i, j);
-          if (std::abs(level) >= 0.5f) row += window.step(i) * std::round(level) * window.features[t].row(j).array();
-        }
+      if (is_wide(columns)) {
+        add_used(window, t, columns);
+      } else if (window.features[t].size() > 0) {
+        delta_.matrix().middleCols(columns.first, columns.count).noalias() +=
+            window.step.asDiagonal() * rounded(window.weights.level) * window.features[t];
       }
     });
   }
 
-  /// One step of the weights: of all, or of those within reach.
-  void backward(std::size_t t, float rate_weight, const AdamStep& step, bool all) {
+  /// Where most levels are zero, and skipping them one by one is faster than a product of matrices.
+  static bool is_wide(const Columns& columns) { return columns.count >= 128; }
+
+  void add_used(const Window& window, std::size_t t, const Columns& columns) {
+    for (Eigen::Index i = 0; i < parameters_; ++i) {
+      auto row = delta_.row(i).segment(columns.first, columns.count);
+      for (Eigen::Index j = 0; j < window.weights.level.cols(); ++j) {
+        const float level = window.weights.level(i, j);
+        if (std::abs(level) >= 0.5f) row += window.step(i) * std::round(level) * window.features[t].row(j).array();
+      }
+    }
+  }
+
+  /// One step of the weights; in wide windows most often of those within reach alone.
+  void backward(std::size_t t, float rate_weight, const AdamStep& step, bool all_of_wide) {
     const Turn& turn = turns_[t];
     for_windows([&](Window& window, std::size_t) {
       const Curves& features = window.features[t];
@@ -287,6 +299,7 @@ class Trainer {
       const Columns columns = columns_of(turn, window.first, window.first + window.samples);
       const auto part = gradient_.matrix().middleCols(columns.first, columns.count);
       Trained& weights = window.weights;
+      const bool all = all_of_wide || !is_wide(columns);
       if (all) weights.gradient.noalias() = part * features.transpose();
       for (Eigen::Index i = 0; i < parameters_; ++i) {
         const Eigen::Index count = all ? features.rows() : window.reach[static_cast<std::size_t>(i)];
@@ -297,7 +310,7 @@ class Trainer {
                          rate_slope(weights.level.row(i).head(count).array());
         weights.step(i, count, step);
       }
-      if (all) find_reach(window);
+      if (all && is_wide(columns)) find_reach(window);
     });
   }
 

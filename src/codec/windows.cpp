@@ -125,6 +125,7 @@ Eigen::ArrayXXf bits_of(const WindowCosts& costs, const std::vector<Eigen::Index
     for (Eigen::Index l = 0; l < bits.rows() && lengths[static_cast<std::size_t>(l)] <= k; ++l) {
       const Eigen::Index length = places[end] - begin_of(k, l);
       bits(l, k) = costs.of(begin_of(k, l), length, sines.at(length));
+      if (!std::isfinite(bits(l, k))) break;  // longer ones have still more weights
     }
   });
   return bits;
