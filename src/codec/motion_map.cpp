@@ -11,13 +11,22 @@ namespace {
 
 glm::dmat3 cross_matrix(const glm::dvec3& v) { return {{0, v.z, -v.y}, {-v.z, 0, v.x}, {v.y, -v.x, 0}}; }
 
-/// How a change of a rotation vector turns the body: exp(v + d) = exp(v) exp(J d) to first order.
-glm::dmat3 right_jacobian(const glm::dvec3& v) {
-  const double angle = glm::length(v), square = angle * angle;
-  const double a = angle > 1e-4 ? (1 - std::cos(angle)) / square : 0.5 - square / 24;
-  const double b = angle > 1e-4 ? (angle - std::sin(angle)) / (square * angle) : 1.0 / 6 - square / 120;
+/// How a change of a rotation vector turns the body: exp(v + d) = exp(v) exp(J d) to first order, with q = exp(v).
+glm::dmat3 right_jacobian(const glm::dvec3& v, const glm::dquat& q) {
+  const double angle = glm::length(v), square = angle * angle, half_sine = glm::length(glm::dvec3(q.x, q.y, q.z));
+  const double a = angle > 1e-4 ? 2 * half_sine * half_sine / square : 0.5 - square / 24;
+  const double b = angle > 1e-4 ? (angle - 2 * half_sine * q.w) / (square * angle) : 1.0 / 6 - square / 120;
   const glm::dmat3 k = cross_matrix(v);
   return glm::dmat3(1.0) - a * k + b * (k * k);
+}
+
+/// Without its size. A mirroring matrix turns the other way round: the signed cube root of the determinant takes care
+/// of it.
+glm::dmat3 unscaled(const glm::dmat3& linear) {
+  const double volume = glm::determinant(linear);
+  if (std::abs(volume - 1) < 1e-9) return linear;
+  const double size = std::cbrt(volume);
+  return std::abs(size) > 1e-12 ? linear / size : glm::dmat3(1.0);
 }
 
 double row_value(const Eigen::MatrixXd& values, int first, int a, Eigen::Index n) { return values(first + a, n); }
@@ -82,6 +91,7 @@ MotionMap::MotionMap(const motion::Skeleton& skeleton, const SetFrame& frame, co
     mover.node = index;
     mover.parent = over;
     mover.chain = before;
+    mover.has_chain = before != glm::dmat4(1.0);
     mover.offset_row = row_count_;
     row_count_ += 3;
     mover.rotation = add_property(rotations[node], all, rotations[node] ? 3 * rotations[node]->block.width : 0);
@@ -111,20 +121,26 @@ MotionMap::MotionMap(const motion::Skeleton& skeleton, const SetFrame& frame, co
                          block->block.first + morph.target, morph.reach});
 }
 
-glm::dquat MotionMap::rotation(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index n) const {
+void MotionMap::turn(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index n, MoverPose& pose) const {
   const auto at = [&](int a) { return row_value(values, mover.rotation.value, a, n); };
-  if (mover.rotation.width == 4) {
+  if (mover.rotation.free < 0) {
+    pose.rotation = rest_[static_cast<std::size_t>(mover.node)].rotation;
+  } else if (mover.rotation.width == 4) {
     const glm::dquat q(at(3), at(0), at(1), at(2));
-    return glm::length(q) > 1e-12 ? glm::normalize(q) : glm::dquat(1, 0, 0, 0);
+    pose.rotation = glm::length(q) > 1e-12 ? glm::normalize(q) : glm::dquat(1, 0, 0, 0);
+  } else {
+    pose.change = motion::rotation_of_vector({at(0), at(1), at(2)});
+    pose.rotation = frame_->rotation_reference[mover.rotation.target] * pose.change;
   }
-  return frame_->rotation_reference[mover.rotation.target] * motion::rotation_of_vector({at(0), at(1), at(2)});
 }
 
-void MotionMap::world(const Eigen::MatrixXd& values, Eigen::Index n, std::vector<glm::dmat4>& world) const {
+void MotionMap::pose(const Eigen::MatrixXd& values, Eigen::Index n, std::vector<MoverPose>& poses) const {
   for (std::size_t i = 0; i < movers_.size(); ++i) {
     const Mover& mover = movers_[i];
+    MoverPose& pose = poses[i];
+    turn(mover, values, n, pose);
     motion::Transform local = rest_[static_cast<std::size_t>(mover.node)];
-    if (mover.rotation.free >= 0) local.rotation = rotation(mover, values, n);
+    local.rotation = pose.rotation;
     for (int a = 0; a < 3; ++a) {
       const auto k = static_cast<std::size_t>(a);
       if (mover.translation.free >= 0)
@@ -133,9 +149,13 @@ void MotionMap::world(const Eigen::MatrixXd& values, Eigen::Index n, std::vector
       if (mover.scale.free >= 0)
         local.scale[a] = frame_->value_reference[mover.scale.target][k] + row_value(values, mover.scale.value, a, n);
     }
-    const glm::dmat4 above =
-        mover.parent < 0 ? mover.chain : world[static_cast<std::size_t>(mover.parent)] * mover.chain;
-    world[i] = above * motion::to_matrix(local);
+    if (mover.parent < 0)
+      pose.above = mover.chain;
+    else if (mover.has_chain)
+      pose.above = poses[static_cast<std::size_t>(mover.parent)].world * mover.chain;
+    else
+      pose.above = poses[static_cast<std::size_t>(mover.parent)].world;
+    pose.world = pose.above * motion::to_matrix(local);
   }
 }
 
@@ -150,15 +170,15 @@ Rows MotionMap::positions(const Eigen::MatrixXd& values, int threads) const {
 }
 
 void MotionMap::positions(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index end, Rows& out) const {
-  std::vector<glm::dmat4> world_of(movers_.size());
+  std::vector<MoverPose> poses(movers_.size());
   for (Eigen::Index n = first; n < end; ++n) {
-    world(values, n, world_of);
+    pose(values, n, poses);
     for (Eigen::Index i = 0; i < point_count(); ++i) {
       glm::dvec3 p(0.0);
       for (std::size_t k = first_[static_cast<std::size_t>(i)]; k < first_[static_cast<std::size_t>(i) + 1]; ++k)
-        p +=
-            glm::dvec3(shares_[k].mover < 0 ? shares_[k].offset
-                                            : world_of[static_cast<std::size_t>(shares_[k].mover)] * shares_[k].offset);
+        p += glm::dvec3(shares_[k].mover < 0
+                            ? shares_[k].offset
+                            : poses[static_cast<std::size_t>(shares_[k].mover)].world * shares_[k].offset);
       for (int a = 0; a < 3; ++a) out(3 * i + a, n) = static_cast<float>(p[a]);
     }
     for (std::size_t m = 0; m < morphs_.size(); ++m)
@@ -167,12 +187,12 @@ void MotionMap::positions(const Eigen::MatrixXd& values, Eigen::Index first, Eig
   }
 }
 
-void MotionMap::linearise_rotation(const Mover& mover, const glm::dmat3& above, const Eigen::MatrixXd& values,
-                                   Eigen::Index n) {
-  const glm::dmat3 turn = above * glm::mat3_cast(rotation(mover, values, n));
+void MotionMap::linearise_rotation(const Mover& mover, const MoverPose& pose, const glm::dmat3& above,
+                                   const Eigen::MatrixXd& values, Eigen::Index n) {
+  const glm::dmat3 turn = above * glm::mat3_cast(pose.rotation);
   const auto at = [&](int a) { return row_value(values, mover.rotation.value, a, n); };
   if (mover.rotation.width == 3) {
-    const glm::dmat3 map = turn * right_jacobian({at(0), at(1), at(2)});
+    const glm::dmat3 map = turn * right_jacobian({at(0), at(1), at(2)}, pose.change);
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) entry(mover.rotation.row + 3 * b + a, n) = static_cast<float>(map[b][a]);
     return;
@@ -203,29 +223,22 @@ void MotionMap::linearise(const Eigen::MatrixXd& values, int threads) {
 }
 
 void MotionMap::linearise_block(const Eigen::MatrixXd& values, Eigen::Index block) {
-  std::vector<glm::dmat4> world_of(movers_.size());
+  std::vector<MoverPose> poses(movers_.size());
   for (Eigen::Index n = block * lanes; n < std::min(samples_, (block + 1) * lanes); ++n) {
-    world(values, n, world_of);
+    pose(values, n, poses);
     for (std::size_t i = 0; i < movers_.size(); ++i) {
       const Mover& mover = movers_[i];
-      const glm::dmat4 over =
-          mover.parent < 0 ? mover.chain : world_of[static_cast<std::size_t>(mover.parent)] * mover.chain;
-      const glm::dvec3 origin(world_of[i][3]);
+      const glm::dvec3 origin(poses[i].world[3]);
       const glm::dvec3 from =
-          mover.parent < 0 ? glm::dvec3(0.0) : glm::dvec3(world_of[static_cast<std::size_t>(mover.parent)][3]);
+          mover.parent < 0 ? glm::dvec3(0.0) : glm::dvec3(poses[static_cast<std::size_t>(mover.parent)].world[3]);
       for (int a = 0; a < 3; ++a) entry(mover.offset_row + a, n) = static_cast<float>(origin[a] - from[a]);
-      const glm::dmat3 linear(over);
-      const double size = std::cbrt(glm::determinant(linear));
-      // A mirroring parent turns the other way round: the signed cube root of the determinant takes care of it.
-      const glm::dmat3 turn = std::abs(size) > 1e-12 ? linear / size : glm::dmat3(1.0);
-      if (mover.rotation.free >= 0) linearise_rotation(mover, turn, values, n);
+      const glm::dmat3 linear(poses[i].above), turn = unscaled(linear);
+      if (mover.rotation.free >= 0) linearise_rotation(mover, poses[i], turn, values, n);
       if (mover.translation.free >= 0)
         for (int a = 0; a < 3; ++a)
           for (int b = 0; b < 3; ++b) entry(mover.translation.row + 3 * b + a, n) = static_cast<float>(linear[b][a]);
       if (mover.scale.free >= 0) {
-        const glm::dmat3 axes =
-            turn * glm::mat3_cast(mover.rotation.free >= 0 ? rotation(mover, values, n)
-                                                           : rest_[static_cast<std::size_t>(mover.node)].rotation);
+        const glm::dmat3 axes = turn * glm::mat3_cast(poses[i].rotation);
         for (int b = 0; b < 3; ++b) {
           for (int a = 0; a < 3; ++a) entry(mover.scale.row + 3 * b + a, n) = static_cast<float>(axes[b][a]);
           const double s = frame_->value_reference[mover.scale.target][static_cast<std::size_t>(b)] +
@@ -237,7 +250,7 @@ void MotionMap::linearise_block(const Eigen::MatrixXd& values, Eigen::Index bloc
     }
     for (const Share& share : shares_) {
       if (share.mover < 0) continue;
-      const glm::dmat4& m = world_of[static_cast<std::size_t>(share.mover)];
+      const glm::dmat4& m = poses[static_cast<std::size_t>(share.mover)].world;
       const glm::dvec3 arm = glm::dvec3(m * share.offset) - share.offset.w * glm::dvec3(m[3]);
       for (int a = 0; a < 3; ++a) entry(share.row + a, n) = static_cast<float>(arm[a]);
     }

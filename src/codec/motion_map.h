@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <vector>
 
 #include "base/points.h"
@@ -140,7 +141,14 @@ class MotionMap {
     int parent = -1;  ///< index of the nearest mover above
     Property rotation, translation, scale;
     glm::dmat4 chain{1.0};        ///< from the mover above (or the world) to this node's parent
+    bool has_chain = true;        ///< that is not the identity
     Eigen::Index offset_row = 0;  ///< among the numbers: origin minus the parent's origin (3)
+  };
+  /// A mover at one sample.
+  struct MoverPose {
+    glm::dquat change{1, 0, 0, 0};      ///< of a rotation vector: from the reference
+    glm::dquat rotation{1, 0, 0, 0};    ///< local
+    glm::dmat4 above{1.0}, world{1.0};  ///< of the node's parent; of the node
   };
   struct Share {
     int mover = -1;
@@ -154,11 +162,11 @@ class MotionMap {
   };
 
   void positions(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index end, Rows& out) const;
-  void world(const Eigen::MatrixXd& values, Eigen::Index sample, std::vector<glm::dmat4>& world) const;
-  glm::dquat rotation(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index sample) const;
+  void pose(const Eigen::MatrixXd& values, Eigen::Index sample, std::vector<MoverPose>& poses) const;
+  void turn(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index sample, MoverPose& pose) const;
   void linearise_block(const Eigen::MatrixXd& values, Eigen::Index block);
-  void linearise_rotation(const Mover& mover, const glm::dmat3& above, const Eigen::MatrixXd& values,
-                          Eigen::Index sample);
+  void linearise_rotation(const Mover& mover, const MoverPose& pose, const glm::dmat3& above,
+                          const Eigen::MatrixXd& values, Eigen::Index sample);
 
   Eigen::Index state_width() const { return stretches_ ? 15 : 6; }
   Eigen::Index block_count() const { return (samples_ + lanes - 1) / lanes; }
