@@ -114,13 +114,10 @@ class TrialWork {
     if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
     constexpr int rounds = 8, first_rounds = 3;
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
-    if (is_excerpt())
-      return correct(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), strictness, most_atoms,
-                     threads());
+    Corrections corrections(prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), threads());
+    if (is_excerpt()) return corrections.correct(levels, strictness, most_atoms);
     for (int round = 0; round < rounds; ++round) {
-      if (!correct(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), strictness, most_atoms,
-                   threads()))
-        return false;
+      if (!corrections.correct(levels, strictness, most_atoms)) return false;
       if (context_.exact_ends)
         restore_ends(levels);
       else if (prepared_.loops && round < rounds / 2)  // better a seam than no end

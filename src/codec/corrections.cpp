@@ -16,38 +16,45 @@ namespace {
 
 constexpr int widest = 6;  ///< half-widths of up to 2^6 samples
 
-struct Candidate {
+struct FoundAtom {
   LevelAtom atom;
   double gain = 0;  ///< fall of the excess per bit
   Effect effect;    ///< of one unit of the atom's parameter
 };
 
-class Corrector {
+}  // namespace
+
+class Corrections::Corrector {
  public:
-  Corrector(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-            double bound, const SampleRow& strictness, int threads)
-      : clip_(clip),
-        layout_(layout),
+  Corrector(const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted, double bound,
+            int threads)
+      : layout_(layout),
         steps_(steps),
         map_(map),
         wanted_(wanted),
         bound_(bound),
         aim_(aimed_share * bound),
-        asked_(strictness),
-        strictness_(padded(strictness)),
         threads_(threads),
         samples_(layout.values.cols()),
+        blocks_((samples_ + lanes - 1) / lanes),
         moving_(static_cast<Eigen::Index>(layout.moving.size())),
-        worst_square_(strictness_.size()),
-        worst_point_(strictness_.size()) {}
+        asked_(SampleRow::Ones(blocks_ * lanes)),
+        strictness_(asked_),
+        worst_square_(asked_.size()),
+        worst_point_(asked_.size()),
+        error_(LaneRows::Zero(lanes, blocks_ * map.error_rows())),
+        has_old_error_(static_cast<std::size_t>(blocks_), 1),
+        has_old_map_(static_cast<std::size_t>(blocks_), 1) {
+    map_.resize(samples_);
+  }
 
-  bool run(std::size_t most_atoms) {
+  bool run(LevelClip& clip, const SampleRow& strictness, std::size_t most_atoms) {
+    clip_ = &clip;
+    ask_for(strictness);
     for (int round = 0; round < rounds; ++round) {
-      values_ = values_of_levels(clip_, steps_, samples_);
-      error_ = in_blocks((map_.positions(values_, threads_) - wanted_).rowwise() * asked_);
-      measure_all();
-      if (static_cast<double>(worst_square_.maxCoeff()) <= bound_ * bound_) return true;
-      map_.linearise(0.5 * (values_ + layout_.values), threads_);
+      look_again();
+      if (within_bound()) return true;
+      renew_map();
       restored_.assign(static_cast<std::size_t>(samples_), 0);
       if (round > 0) aim_lower();
       hand_out_atoms();
@@ -74,22 +81,6 @@ class Corrector {
   static constexpr Eigen::Index stretch_samples = 256;
   static_assert(stretch_samples >= Eigen::Index{2} << widest);
 
-  void hand_out_atoms() {
-    stretches_.clear();
-    for (Eigen::Index first = 0; first < samples_; first += stretch_samples)
-      stretches_.push_back({first, std::min(samples_, first + stretch_samples), {}});
-    for (const LevelAtom& atom : clip_.atoms) stretch_at(static_cast<Eigen::Index>(atom.sample)).atoms.push_back(atom);
-  }
-
-  void collect_atoms() {
-    clip_.atoms.clear();
-    for (const Stretch& stretch : stretches_)
-      clip_.atoms.insert(clip_.atoms.end(), stretch.atoms.begin(), stretch.atoms.end());
-    tidy_atoms(clip_.atoms);
-  }
-
-  Stretch& stretch_at(Eigen::Index sample) { return stretches_[static_cast<std::size_t>(sample / stretch_samples)]; }
-
   /// The error rows of one sample.
   auto errors_of(Eigen::Index n) {
     return error_.row(n % lanes).segment((n / lanes) * map_.error_rows(), map_.error_rows());
@@ -104,6 +95,72 @@ class Corrector {
   auto errors_of(const BlockRange& blocks) const {
     return error_.middleCols(blocks.first * map_.error_rows(), blocks.count * map_.error_rows());
   }
+
+  void ask_for(const SampleRow& strictness) {
+    asked_.head(samples_) = strictness;
+    for (Eigen::Index block = 0; block < blocks_; ++block)
+      if ((strict(block) != asked_.segment<lanes>(block * lanes).transpose()).any())
+        has_old_error_[static_cast<std::size_t>(block)] = 1;
+    strictness_ = asked_;
+  }
+
+  /// The samples of one block.
+  Eigen::Index samples_of(Eigen::Index block) const { return std::min(lanes, samples_ - block * lanes); }
+
+  /// What the levels mean and the errors that this leaves, where it is not known.
+  void look_again() {
+    Eigen::MatrixXd values = values_of_levels(*clip_, steps_, samples_);
+    for (Eigen::Index block = 0; block < blocks_; ++block) {
+      const auto columns = Eigen::seqN(block * lanes, samples_of(block));
+      if (values_.size() == 0 || values(Eigen::all, columns) != values_(Eigen::all, columns))
+        has_old_error_[static_cast<std::size_t>(block)] = 1;
+    }
+    values_ = std::move(values);
+    parallel_for(has_old_error_.size(), threads_, [&](std::size_t b) {
+      if (!has_old_error_[b]) return;
+      const auto block = static_cast<Eigen::Index>(b);
+      const Eigen::Index first = block * lanes, count = samples_of(block);
+      const Rows error =
+          (map_.positions(values_.middleCols(first, count)) - wanted_.middleCols(first, count)).rowwise() *
+          strictness_.segment(first, count);
+      errors_of({block, 1}) = in_blocks(error);
+      measure({block, 1});
+      has_old_error_[b] = 0;
+      has_old_map_[b] = 1;
+    });
+  }
+
+  /// By what the caller asks for.
+  bool within_bound() const {
+    const SampleRow square = worst_square_ * (asked_ / strictness_).square();
+    return static_cast<double>(square.maxCoeff()) <= bound_ * bound_;
+  }
+
+  void renew_map() {
+    parallel_for(has_old_map_.size(), threads_, [&](std::size_t b) {
+      if (!has_old_map_[b]) return;
+      const Eigen::Index first = static_cast<Eigen::Index>(b) * lanes, count = samples_of(static_cast<Eigen::Index>(b));
+      map_.linearise_block(0.5 * (values_.middleCols(first, count) + layout_.values.middleCols(first, count)),
+                           static_cast<Eigen::Index>(b));
+      has_old_map_[b] = 0;
+    });
+  }
+
+  void hand_out_atoms() {
+    stretches_.clear();
+    for (Eigen::Index first = 0; first < samples_; first += stretch_samples)
+      stretches_.push_back({first, std::min(samples_, first + stretch_samples), {}});
+    for (const LevelAtom& atom : clip_->atoms) stretch_at(static_cast<Eigen::Index>(atom.sample)).atoms.push_back(atom);
+  }
+
+  void collect_atoms() {
+    clip_->atoms.clear();
+    for (const Stretch& stretch : stretches_)
+      clip_->atoms.insert(clip_->atoms.end(), stretch.atoms.begin(), stretch.atoms.end());
+    tidy_atoms(clip_->atoms);
+  }
+
+  Stretch& stretch_at(Eigen::Index sample) { return stretches_[static_cast<std::size_t>(sample / stretch_samples)]; }
 
   /// Adds atoms until every sample is within the aim by the linear map. False where that takes too many, or none help.
   bool reach_aim(std::size_t most_atoms) {
@@ -138,26 +195,17 @@ class Corrector {
   /// Linear predictions are off by a little: where they were, more is asked for.
   void aim_lower() {
     constexpr float more = 1.02f;
-    for (Eigen::Index n = 0; n < samples_; ++n) {
-      if (static_cast<double>(worst_square_(n)) > bound_ * bound_) strictness_(n) *= more;
-      errors_of(n) *= strictness_(n) / asked_(n);
+    for (Eigen::Index block = 0; block < blocks_; ++block) {
+      bool is_raised = false;
+      for (Eigen::Index n = block * lanes; n < block * lanes + samples_of(block); ++n) {
+        const double asked = asked_(n) / strictness_(n);
+        if (static_cast<double>(worst_square_(n)) * asked * asked <= bound_ * bound_) continue;
+        strictness_(n) *= more;
+        errors_of(n) *= more;
+        is_raised = true;
+      }
+      if (is_raised) measure({block, 1});
     }
-    measure_all();
-  }
-
-  static constexpr Eigen::Index block_count(Eigen::Index samples) { return (samples + lanes - 1) / lanes; }
-
-  /// With ones beyond the last sample, up to the end of its block.
-  static SampleRow padded(const SampleRow& row) {
-    SampleRow all = SampleRow::Ones(block_count(row.size()) * lanes);
-    all.head(row.size()) = row;
-    return all;
-  }
-
-  void measure_all() {
-    parallel_for(static_cast<std::size_t>(block_count(samples_)), threads_, [&](std::size_t block) {
-      measure({static_cast<Eigen::Index>(block), 1});
-    });
   }
 
   /// Finds the largest error of each sample of some blocks anew.
@@ -242,9 +290,7 @@ class Corrector {
 
   /// What one unit of a parameter does around sample n, as far as atoms of this width reach.
   Effect effect_around(Eigen::Index moving, Eigen::Index n, int width) const {
-    const Eigen::Index reach = (Eigen::Index{1} << width) - 1;
-    const Eigen::Index from = std::max<Eigen::Index>(0, n - reach), end = std::min(samples_, n + reach + 1);
-    Effect effect = map_.effect(moving, BlockRange::of(from, end - from));
+    Effect effect = map_.effect(moving, reached_by(n, width));
     const Eigen::Index columns = effect.column(0, 1);
     for (Eigen::Index b = 0; b < effect.blocks.count; ++b)
       effect.values.middleCols(b * columns, columns).colwise() *= strict(effect.blocks.first + b);
@@ -252,10 +298,10 @@ class Corrector {
   }
 
   /// The best atom of one parameter at sample n. Most are narrow: what is farther away is looked at only as needed.
-  std::optional<Candidate> best_atom(Eigen::Index moving, Eigen::Index n) const {
+  std::optional<FoundAtom> best_atom(Eigen::Index moving, Eigen::Index n) const {
     constexpr std::array<int, 3> stages{2, 4, widest};
     const double step = step_of(moving);
-    std::optional<Candidate> best;
+    std::optional<FoundAtom> best;
     std::vector<Growth> growths;
     std::int32_t largest_level = 0;
     Effect effect;
@@ -295,7 +341,7 @@ class Corrector {
   Spread spread_of(Eigen::Index n, int width, double amount, const BlockRange& blocks) const {
     const Eigen::Index half = (Eigen::Index{1} << width) - 1;
     const Eigen::Index first = std::max<Eigen::Index>(0, n - half), end = std::min(samples_, n + half + 1);
-    Spread spread{BlockRange::of(first, end - first), LaneRows::Zero(lanes, blocks.count)};
+    Spread spread{reached_by(n, width), LaneRows::Zero(lanes, blocks.count)};
     for (Eigen::Index m = first; m < end; ++m)
       spread.shares(m % lanes, m / lanes - blocks.first) =
           static_cast<float>(amount * atom_share(std::abs(m - n), width));
@@ -304,7 +350,7 @@ class Corrector {
 
   /// Tries atoms of some widths within an effect; none moves a point by more than `most` times the effect.
   void grow(const Place& place, const Effect& effect, float most, int first_width, int last_width,
-            std::vector<Growth>& growths, std::optional<Candidate>& best) const {
+            std::vector<Growth>& growths, std::optional<FoundAtom>& best) const {
     const double step = steps_.anchor(place.parameter);
     const std::vector<Parabola> near =
         endangered(map_, effect, most, errors_of(effect.blocks), static_cast<float>(aim_) * std::sqrt(free_share));
@@ -320,16 +366,16 @@ class Corrector {
         growth.falls = gain < growth.last_gain ? growth.falls + 1 : 0;
         growth.last_gain = gain;
         if (gain > 0 && (!best || gain > best->gain))
-          best = Candidate{{static_cast<std::uint32_t>(place.sample), place.parameter, width, growth.level}, gain, {}};
+          best = FoundAtom{{static_cast<std::uint32_t>(place.sample), place.parameter, width, growth.level}, gain, {}};
       }
   }
 
   /// At sample n, the worst of its stretch.
   bool add_atom(Eigen::Index n) {
-    std::optional<Candidate> best;
+    std::optional<FoundAtom> best;
     for (const std::size_t most : {std::size_t{4}, std::size_t{24}}) {
       for (const Eigen::Index parameter : promising(n, most)) {
-        std::optional<Candidate> candidate = best_atom(parameter, n);
+        std::optional<FoundAtom> candidate = best_atom(parameter, n);
         if (candidate && (!best || candidate->gain > best->gain)) best = std::move(candidate);
       }
       if (best) break;
@@ -342,10 +388,21 @@ class Corrector {
 
   void put(const LevelAtom& atom) {
     put_atom(atom, stretch_at(static_cast<Eigen::Index>(atom.sample)).atoms);
-    add_atom_values(atom, clip_, steps_, values_);
+    add_values(atom);
   }
 
-  void apply(const Candidate& candidate) {
+  void add_values(const LevelAtom& atom) {
+    add_atom_values(atom, *clip_, steps_, values_);
+    const BlockRange reached = reached_by(static_cast<Eigen::Index>(atom.sample), atom.width);
+    std::fill_n(has_old_error_.begin() + reached.first, reached.count, char{1});
+  }
+
+  BlockRange reached_by(Eigen::Index n, int width) const {
+    const Eigen::Index reach = (Eigen::Index{1} << width) - 1, first = std::max<Eigen::Index>(0, n - reach);
+    return BlockRange::of(first, std::min(samples_, n + reach + 1) - first);
+  }
+
+  void apply(const FoundAtom& candidate) {
     const LevelAtom& atom = candidate.atom;
     const Spread spread = spread_of(static_cast<Eigen::Index>(atom.sample), atom.width,
                                     atom.level * steps_.anchor(atom.parameter), candidate.effect.blocks);
@@ -469,7 +526,7 @@ class Corrector {
     std::erase_if(stretch_at(n).atoms, [&](LevelAtom atom) {
       if (atom.sample != static_cast<std::uint32_t>(n) || atom.width != 0) return false;
       atom.level = -atom.level;
-      add_atom_values(atom, clip_, steps_, values_);
+      add_values(atom);
       return true;
     });
   }
@@ -489,28 +546,33 @@ class Corrector {
       if (static_cast<double>(worst_square_(n)) > bound_ * bound_) restore_sample(n);
   }
 
-  LevelClip& clip_;
   const ClipLayout& layout_;
   const ParameterSteps& steps_;
   MotionMap& map_;
   const Rows& wanted_;
   double bound_, aim_;
-  SampleRow asked_, strictness_;  ///< by the caller; with what is aimed lower, up to the end of the last block
   int threads_;
-  Eigen::Index samples_, moving_;
+  Eigen::Index samples_, blocks_, moving_;
+  LevelClip* clip_ = nullptr;                         ///< that is corrected
+  SampleRow asked_, strictness_;                      ///< by the caller; with what is aimed lower
   SampleRow worst_square_;                            ///< per sample: the largest squared error
   Eigen::Array<int, 1, Eigen::Dynamic> worst_point_;  ///< per sample
   LaneRows error_;                                    ///< times the strictness
   Eigen::MatrixXd values_;                            ///< what the levels mean, all parameters x samples
+  std::vector<char> has_old_error_;                   ///< per block: values have changed, exact errors are not known
+  std::vector<char> has_old_map_;                     ///< per block: the linear map is of other values
   std::vector<int> restored_;                         ///< per sample: how often
   std::vector<Stretch> stretches_;
 };
 
-}  // namespace
+Corrections::Corrections(const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
+                         double bound, int threads)
+    : corrector_(std::make_unique<Corrector>(layout, steps, map, wanted, bound, threads)) {}
 
-bool correct(LevelClip& clip, const ClipLayout& layout, const ParameterSteps& steps, MotionMap& map, const Rows& wanted,
-             double bound, const SampleRow& strictness, std::size_t most_atoms, int threads) {
-  const bool reached = Corrector(clip, layout, steps, map, wanted, bound, strictness, threads).run(most_atoms);
+Corrections::~Corrections() = default;
+
+bool Corrections::correct(LevelClip& clip, const SampleRow& strictness, std::size_t most_atoms) {
+  const bool reached = corrector_->run(clip, strictness, most_atoms);
   tidy_atoms(clip.atoms);
   return reached;
 }

@@ -29,7 +29,7 @@ glm::dmat3 unscaled(const glm::dmat3& linear) {
   return std::abs(size) > 1e-12 ? linear / size : glm::dmat3(1.0);
 }
 
-double row_value(const Eigen::MatrixXd& values, int first, int a, Eigen::Index n) { return values(first + a, n); }
+double row_value(const ConstValues& values, int first, int a, Eigen::Index n) { return values(first + a, n); }
 
 }  // namespace
 
@@ -121,7 +121,7 @@ MotionMap::MotionMap(const motion::Skeleton& skeleton, const SetFrame& frame, co
                          block->block.first + morph.target, morph.reach});
 }
 
-void MotionMap::turn(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index n, MoverPose& pose) const {
+void MotionMap::turn(const Mover& mover, const ConstValues& values, Eigen::Index n, MoverPose& pose) const {
   const auto at = [&](int a) { return row_value(values, mover.rotation.value, a, n); };
   if (mover.rotation.free < 0) {
     pose.rotation = rest_[static_cast<std::size_t>(mover.node)].rotation;
@@ -134,7 +134,7 @@ void MotionMap::turn(const Mover& mover, const Eigen::MatrixXd& values, Eigen::I
   }
 }
 
-void MotionMap::pose(const Eigen::MatrixXd& values, Eigen::Index n, std::vector<MoverPose>& poses) const {
+void MotionMap::pose(const ConstValues& values, Eigen::Index n, std::vector<MoverPose>& poses) const {
   for (std::size_t i = 0; i < movers_.size(); ++i) {
     const Mover& mover = movers_[i];
     MoverPose& pose = poses[i];
@@ -159,7 +159,7 @@ void MotionMap::pose(const Eigen::MatrixXd& values, Eigen::Index n, std::vector<
   }
 }
 
-Rows MotionMap::positions(const Eigen::MatrixXd& values, int threads) const {
+Rows MotionMap::positions(const ConstValues& values, int threads) const {
   Rows out(error_rows(), values.cols());
   const Eigen::Index blocks = (values.cols() + lanes - 1) / lanes;
   parallel_for(static_cast<std::size_t>(blocks), threads, [&](std::size_t block) {
@@ -169,7 +169,7 @@ Rows MotionMap::positions(const Eigen::MatrixXd& values, int threads) const {
   return out;
 }
 
-void MotionMap::positions(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index end, Rows& out) const {
+void MotionMap::positions(const ConstValues& values, Eigen::Index first, Eigen::Index end, Rows& out) const {
   std::vector<MoverPose> poses(movers_.size());
   for (Eigen::Index n = first; n < end; ++n) {
     pose(values, n, poses);
@@ -188,13 +188,13 @@ void MotionMap::positions(const Eigen::MatrixXd& values, Eigen::Index first, Eig
 }
 
 void MotionMap::linearise_rotation(const Mover& mover, const MoverPose& pose, const glm::dmat3& above,
-                                   const Eigen::MatrixXd& values, Eigen::Index n) {
+                                   const ConstValues& values, Eigen::Index block, Eigen::Index lane) {
   const glm::dmat3 turn = above * glm::mat3_cast(pose.rotation);
-  const auto at = [&](int a) { return row_value(values, mover.rotation.value, a, n); };
+  const auto at = [&](int a) { return row_value(values, mover.rotation.value, a, lane); };
   if (mover.rotation.width == 3) {
     const glm::dmat3 map = turn * right_jacobian({at(0), at(1), at(2)}, pose.change);
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) entry(mover.rotation.row + 3 * b + a, n) = static_cast<float>(map[b][a]);
+      for (int b = 0; b < 3; ++b) entry(mover.rotation.row + 3 * b + a, block, lane) = static_cast<float>(map[b][a]);
     return;
   }
   const double x = at(0), y = at(1), z = at(2), w = at(3);
@@ -206,7 +206,7 @@ void MotionMap::linearise_rotation(const Mover& mover, const MoverPose& pose, co
       {f * w, f * -z, f * y}, {f * z, f * w, f * -x}, {f * -y, f * x, f * w}, {f * -x, f * -y, f * -z}};
   for (int b = 0; b < 4; ++b) {
     const glm::dvec3 column = turn * body[b];
-    for (int a = 0; a < 3; ++a) entry(mover.rotation.row + 3 * b + a, n) = static_cast<float>(column[a]);
+    for (int a = 0; a < 3; ++a) entry(mover.rotation.row + 3 * b + a, block, lane) = static_cast<float>(column[a]);
   }
 }
 
@@ -215,35 +215,42 @@ void MotionMap::forget() {
   rows_.resize(lanes, 0);
 }
 
-void MotionMap::linearise(const Eigen::MatrixXd& values, int threads) {
-  samples_ = values.cols();
+void MotionMap::resize(Eigen::Index samples) {
+  samples_ = samples;
   rows_.setZero(lanes, row_count_ * block_count());
-  parallel_for(static_cast<std::size_t>(block_count()), threads,
-               [&](std::size_t block) { linearise_block(values, static_cast<Eigen::Index>(block)); });
 }
 
-void MotionMap::linearise_block(const Eigen::MatrixXd& values, Eigen::Index block) {
+void MotionMap::linearise(const ConstValues& values, int threads) {
+  resize(values.cols());
+  parallel_for(static_cast<std::size_t>(block_count()), threads, [&](std::size_t block) {
+    const Eigen::Index first = static_cast<Eigen::Index>(block) * lanes;
+    linearise_block(values.middleCols(first, std::min(lanes, samples_ - first)), static_cast<Eigen::Index>(block));
+  });
+}
+
+void MotionMap::linearise_block(const ConstValues& values, Eigen::Index block) {
   std::vector<MoverPose> poses(movers_.size());
-  for (Eigen::Index n = block * lanes; n < std::min(samples_, (block + 1) * lanes); ++n) {
-    pose(values, n, poses);
+  for (Eigen::Index lane = 0; lane < values.cols(); ++lane) {
+    pose(values, lane, poses);
     for (std::size_t i = 0; i < movers_.size(); ++i) {
       const Mover& mover = movers_[i];
       const glm::dvec3 origin(poses[i].world[3]);
       const glm::dvec3 from =
           mover.parent < 0 ? glm::dvec3(0.0) : glm::dvec3(poses[static_cast<std::size_t>(mover.parent)].world[3]);
-      for (int a = 0; a < 3; ++a) entry(mover.offset_row + a, n) = static_cast<float>(origin[a] - from[a]);
+      for (int a = 0; a < 3; ++a) entry(mover.offset_row + a, block, lane) = static_cast<float>(origin[a] - from[a]);
       const glm::dmat3 linear(poses[i].above), turn = unscaled(linear);
-      if (mover.rotation.free >= 0) linearise_rotation(mover, poses[i], turn, values, n);
+      if (mover.rotation.free >= 0) linearise_rotation(mover, poses[i], turn, values, block, lane);
       if (mover.translation.free >= 0)
         for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) entry(mover.translation.row + 3 * b + a, n) = static_cast<float>(linear[b][a]);
+          for (int b = 0; b < 3; ++b)
+            entry(mover.translation.row + 3 * b + a, block, lane) = static_cast<float>(linear[b][a]);
       if (mover.scale.free >= 0) {
         const glm::dmat3 axes = turn * glm::mat3_cast(poses[i].rotation);
         for (int b = 0; b < 3; ++b) {
-          for (int a = 0; a < 3; ++a) entry(mover.scale.row + 3 * b + a, n) = static_cast<float>(axes[b][a]);
+          for (int a = 0; a < 3; ++a) entry(mover.scale.row + 3 * b + a, block, lane) = static_cast<float>(axes[b][a]);
           const double s = frame_->value_reference[mover.scale.target][static_cast<std::size_t>(b)] +
-                           row_value(values, mover.scale.value, b, n);
-          entry(mover.scale.row + 9 + b, n) =
+                           row_value(values, mover.scale.value, b, lane);
+          entry(mover.scale.row + 9 + b, block, lane) =
               static_cast<float>(1.0 / (s < 0 ? std::min(s, -1e-3) : std::max(s, 1e-3)));
         }
       }
@@ -252,7 +259,7 @@ void MotionMap::linearise_block(const Eigen::MatrixXd& values, Eigen::Index bloc
       if (share.mover < 0) continue;
       const glm::dmat4& m = poses[static_cast<std::size_t>(share.mover)].world;
       const glm::dvec3 arm = glm::dvec3(m * share.offset) - share.offset.w * glm::dvec3(m[3]);
-      for (int a = 0; a < 3; ++a) entry(share.row + a, n) = static_cast<float>(arm[a]);
+      for (int a = 0; a < 3; ++a) entry(share.row + a, block, lane) = static_cast<float>(arm[a]);
     }
   }
 }

@@ -17,6 +17,9 @@ namespace nmc::codec {
 /// One component a row, one sample a column: operations on rows run over samples at vector width.
 using Rows = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// Pose parameters: all of a layout x some samples.
+using ConstValues = Eigen::Ref<const Eigen::MatrixXd>;
+
 /// One number per sample.
 using SampleRow = Eigen::Array<float, 1, Eigen::Dynamic>;
 
@@ -95,10 +98,16 @@ class MotionMap {
 
   /// World positions of the points (and reach times weight of morph targets) for `values` (all parameters of the layout
   /// x samples).
-  Rows positions(const Eigen::MatrixXd& values, int threads = 1) const;
+  Rows positions(const ConstValues& values, int threads = 1) const;
 
   /// Makes the linear map at these values.
-  void linearise(const Eigen::MatrixXd& values, int threads = 1);
+  void linearise(const ConstValues& values, int threads = 1);
+
+  /// Makes room for the linear map of so many samples, which is zero until linearise_block makes it.
+  void resize(Eigen::Index samples);
+  /// Makes the linear map of one block at these values, one column for each of its samples. Several threads may, of
+  /// different blocks.
+  void linearise_block(const ConstValues& values, Eigen::Index block);
 
   /// Drops the linear map and its memory.
   void forget();
@@ -161,17 +170,16 @@ class MotionMap {
     double reach = 0;
   };
 
-  void positions(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index end, Rows& out) const;
-  void pose(const Eigen::MatrixXd& values, Eigen::Index sample, std::vector<MoverPose>& poses) const;
-  void turn(const Mover& mover, const Eigen::MatrixXd& values, Eigen::Index sample, MoverPose& pose) const;
-  void linearise_block(const Eigen::MatrixXd& values, Eigen::Index block);
-  void linearise_rotation(const Mover& mover, const MoverPose& pose, const glm::dmat3& above,
-                          const Eigen::MatrixXd& values, Eigen::Index sample);
+  void positions(const ConstValues& values, Eigen::Index first, Eigen::Index end, Rows& out) const;
+  void pose(const ConstValues& values, Eigen::Index sample, std::vector<MoverPose>& poses) const;
+  void turn(const Mover& mover, const ConstValues& values, Eigen::Index sample, MoverPose& pose) const;
+  void linearise_rotation(const Mover& mover, const MoverPose& pose, const glm::dmat3& above, const ConstValues& values,
+                          Eigen::Index block, Eigen::Index lane);
 
   Eigen::Index state_width() const { return stretches_ ? 15 : 6; }
   Eigen::Index block_count() const { return (samples_ + lanes - 1) / lanes; }
   auto row(Eigen::Index block, Eigen::Index r) const { return rows_.col(block * row_count_ + r); }
-  float& entry(Eigen::Index r, Eigen::Index n) { return rows_(n % lanes, (n / lanes) * row_count_ + r); }
+  float& entry(Eigen::Index r, Eigen::Index block, Eigen::Index lane) { return rows_(lane, block * row_count_ + r); }
   void move(std::size_t mover, Eigen::Index block, const LaneRows& delta, LaneRows& state) const;
   void point_error(Eigen::Index point, Eigen::Index block, const LaneRows& state, LaneRows& error) const;
   void pull(Eigen::Index point, Eigen::Index block, const LaneRows& weight, LaneRows& state) const;
