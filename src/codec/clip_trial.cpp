@@ -38,7 +38,7 @@ class TrialWork {
     // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
     const std::size_t room =
         levels.atoms.size() + 20 +
-        std::min(trial.bytes, limit < unlimited ? limit - trial.bytes : levels.times.size() * 14 / 8) * 8 / 14;
+        std::min(trial.bytes, limit < unlimited ? limit - trial.bytes : 2 * levels.times.size() * 14 / 8) * 8 / 14;
     if (trial.settings.iterations > 0 && context_.parts.refinement) {
       trial.usual_error = usual_error(levels);
       if (trial.is_hopeless()) return;
