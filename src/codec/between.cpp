@@ -53,12 +53,16 @@ bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, dou
       add_atom_values(atom, levels, input.steps, values);
     }
   };
+  const auto tip = [&] {
+    const std::optional<std::vector<LevelAtom>> atoms = few_atoms(small_steps(input.layout, n), excess);
+    if (atoms) put(*atoms);
+    return atoms.has_value();
+  };
+  // Most often a turn of about half a circle goes the other way, and little tips it back.
+  if (tip()) return true;
   put(needed_atoms(missing_by_target(input.layout, input.steps, n - 1, 2, values), excess));
-  if (excess({}) <= 0) return true;
   // Within rounding of half a turn even the true values, rounded, may go the other way.
-  const std::optional<std::vector<LevelAtom>> tip = few_atoms(small_steps(input.layout, n), excess);
-  if (tip) put(*tip);
-  return tip.has_value();
+  return excess({}) <= 0 || tip();
 }
 
 }  // namespace nmc::codec
