@@ -20,8 +20,8 @@ double error_around(const BetweenInput& input, Eigen::Index n, double seconds, c
   return largest;
 }
 
-/// Small steps of single parameters at samples n - 1 and n, of the rotations that turn far between them.
-std::vector<std::vector<LevelAtom>> small_steps(const ClipLayout& layout, Eigen::Index n) {
+/// Steps of single parameters at samples n - 1 and n, of the rotations that turn far between them.
+std::vector<std::vector<LevelAtom>> steps_of_turns(const ClipLayout& layout, Eigen::Index n) {
   constexpr double far = 0.5;  // of a quaternion's numbers or of a rotation vector
   std::vector<std::vector<LevelAtom>> steps;
   for (const LayoutBlock& block : layout.blocks) {
@@ -30,7 +30,7 @@ std::vector<std::vector<LevelAtom>> small_steps(const ClipLayout& layout, Eigen:
     if ((turn.col(n) - turn.col(n - 1)).norm() < far) continue;
     for (const Eigen::Index sample : {n - 1, n})
       for (int i = 0; i < block.block.width; ++i)
-        for (const std::int32_t level : {1, -1, 2, -2, 4, -4})
+        for (const std::int32_t level : {1, -1, 2, -2, 4, -4, 8, -8, 16, -16, 32, -32})
           steps.push_back({{static_cast<std::uint32_t>(sample), block.block.first + i, 0, level}});
   }
   return steps;
@@ -38,8 +38,8 @@ std::vector<std::vector<LevelAtom>> small_steps(const ClipLayout& layout, Eigen:
 
 }  // namespace
 
-bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
-                  LevelClip& levels) {
+bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Mending mending,
+                  Eigen::MatrixXd& values, LevelClip& levels) {
   const auto excess = [&](const std::vector<LevelAtom>& atoms) {
     Eigen::MatrixXd pair = values.middleCols(n - 1, 2);
     for (const LevelAtom& atom : atoms)
@@ -54,12 +54,12 @@ bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, dou
     }
   };
   const auto tip = [&] {
-    const std::optional<std::vector<LevelAtom>> atoms = few_atoms(small_steps(input.layout, n), excess);
+    const std::optional<std::vector<LevelAtom>> atoms = few_atoms(steps_of_turns(input.layout, n), excess);
     if (atoms) put(*atoms);
     return atoms.has_value();
   };
   // Most often a turn of about half a circle goes the other way, and little tips it back.
-  if (tip()) return true;
+  if (mending == Mending::tips && tip()) return true;
   put(needed_atoms(missing_by_target(input.layout, input.steps, n - 1, 2, values), excess));
   // Within rounding of half a turn even the true values, rounded, may go the other way.
   return excess({}) <= 0 || tip();

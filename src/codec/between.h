@@ -21,11 +21,17 @@ struct BetweenInput {
   const motion::ErrorMeter& meter;
 };
 
-/// Brings to their true values at samples n - 1 and n as few targets as are needed for the errors there and at
-/// `seconds` between them to be within `bound` (world units); where rounding stands in the way, goes a few steps from
-/// them. `values` (all parameters x samples) are those of the levels, and follow them. False where an error is still
-/// above the bound.
-bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Eigen::MatrixXd& values,
-                  LevelClip& levels);
+/// What an error between two samples is mended with.
+enum class Mending {
+  tips,       ///< steps of single parameters where they are enough: what goes the other way round is tipped back
+  true_poses  ///< true values alone: tips at one pair of samples may undo those at the next one
+};
+
+/// Corrects samples n - 1 and n, so that the errors there and at `seconds` between them are within `bound` (world
+/// units): tips, or brings as few targets as are needed to their true values; where rounding stands in the way of
+/// these, goes a few steps from them. `values` (all parameters x samples) are those of the levels, and follow them.
+/// False where an error is still above the bound.
+bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Mending mending,
+                  Eigen::MatrixXd& values, LevelClip& levels);
 
 }  // namespace nmc::codec

@@ -124,7 +124,10 @@ class TrialWork {
         close_seam(levels, end_signs(prepared_.layout), prepared_.layout.values.cols());
       motion::ErrorProfile profile = error_profile(levels);
       if (is_within_bound(profile)) return true;
-      mend_flips(profile, round < first_rounds ? 1.5 : 1, levels);
+      if (round < first_rounds)
+        mend_flips(profile, 1.5, Mending::tips, levels);
+      else
+        mend_flips(profile, 1, Mending::true_poses, levels);
       // What is corrected next may break what has just been mended.
       if (round >= first_rounds && is_within_bound(error_profile(levels))) return true;
       tighten(profile, 1 + 0.1 * round, strictness);
@@ -156,7 +159,7 @@ class TrialWork {
 
   /// Where the error between two samples is `far` times the bound or more, what goes wrong there is set right on both
   /// sides; errors that are mended count as zero from then on.
-  void mend_flips(motion::ErrorProfile& profile, double far, LevelClip& levels) const {
+  void mend_flips(motion::ErrorProfile& profile, double far, Mending mending, LevelClip& levels) const {
     const std::vector<float>& times = clip_.clip.times;
     Eigen::MatrixXd values;
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
@@ -165,7 +168,7 @@ class TrialWork {
       if (next == 0 || next == std::ssize(times)) continue;
       if (values.size() == 0) values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
       if (mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next,
-                       profile.seconds[k], goal(), values, levels))
+                       profile.seconds[k], goal(), mending, values, levels))
         profile.max_error[k] = 0;
     }
     tidy_atoms(levels.atoms);
