@@ -38,7 +38,7 @@ SearchPlan excerpt_plan_of(int effort, Eigen::Index turns) {
     if (effort <= 1) return {40, 30, 3, 30, false, 1};
     if (effort <= 2) return {60, 40, 3, 50};
     if (effort <= 3) return {80, 60, 4, 80};
-    return {150, 70, 4, turns > 1 ? 150 : 100};
+    return {150, 70, 4, turns > 1 ? 250 : 200};
   };
   SearchPlan made = plan();
   made.first_rate = 0.24;
