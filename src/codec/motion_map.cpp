@@ -302,36 +302,50 @@ void MotionMap::move(std::size_t i, Eigen::Index block, const LaneRows& delta, L
 
 void MotionMap::point_error(Eigen::Index point, Eigen::Index block, const LaneRows& state, LaneRows& error) const {
   const auto at = [&](Eigen::Index r) { return row(block, r); };
-  error.leftCols(3).setZero();
+  Lanes x = Lanes::Zero(), y = x, z = x;
   for (std::size_t k = first_[static_cast<std::size_t>(point)]; k < first_[static_cast<std::size_t>(point) + 1]; ++k) {
     const Share& share = shares_[k];
     if (share.mover < 0) continue;
     const Eigen::Index s = state_width() * share.mover, c = share.row;
     const auto w = static_cast<float>(share.offset.w);
-    error.col(0) += w * state.col(s + 0) + state.col(s + 4) * at(c + 2) - state.col(s + 5) * at(c + 1);
-    error.col(1) += w * state.col(s + 1) + state.col(s + 5) * at(c + 0) - state.col(s + 3) * at(c + 2);
-    error.col(2) += w * state.col(s + 2) + state.col(s + 3) * at(c + 1) - state.col(s + 4) * at(c + 0);
-    if (stretches_)
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) error.col(a) += state.col(s + 6 + 3 * b + a) * at(c + b);
+    const Lanes arm_x = at(c), arm_y = at(c + 1), arm_z = at(c + 2);
+    x += w * state.col(s + 0) + state.col(s + 4) * arm_z - state.col(s + 5) * arm_y;
+    y += w * state.col(s + 1) + state.col(s + 5) * arm_x - state.col(s + 3) * arm_z;
+    z += w * state.col(s + 2) + state.col(s + 3) * arm_y - state.col(s + 4) * arm_x;
+    if (!stretches_) continue;
+    const Eigen::Index t = s + 6;
+    x += state.col(t + 0) * arm_x + state.col(t + 3) * arm_y + state.col(t + 6) * arm_z;
+    y += state.col(t + 1) * arm_x + state.col(t + 4) * arm_y + state.col(t + 7) * arm_z;
+    z += state.col(t + 2) * arm_x + state.col(t + 5) * arm_y + state.col(t + 8) * arm_z;
   }
+  error.col(0) = x;
+  error.col(1) = y;
+  error.col(2) = z;
 }
 
 /// The transpose of point_error.
 void MotionMap::pull(Eigen::Index point, Eigen::Index block, const LaneRows& weight, LaneRows& state) const {
   const auto at = [&](Eigen::Index r) { return row(block, r); };
+  const Lanes x = weight.col(0), y = weight.col(1), z = weight.col(2);
   for (std::size_t k = first_[static_cast<std::size_t>(point)]; k < first_[static_cast<std::size_t>(point) + 1]; ++k) {
     const Share& share = shares_[k];
     if (share.mover < 0) continue;
     const Eigen::Index s = state_width() * share.mover, c = share.row;
     const auto w = static_cast<float>(share.offset.w);
-    for (int a = 0; a < 3; ++a) state.col(s + a) += w * weight.col(a);
-    state.col(s + 3) += at(c + 1) * weight.col(2) - at(c + 2) * weight.col(1);
-    state.col(s + 4) += at(c + 2) * weight.col(0) - at(c + 0) * weight.col(2);
-    state.col(s + 5) += at(c + 0) * weight.col(1) - at(c + 1) * weight.col(0);
-    if (stretches_)
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) state.col(s + 6 + 3 * b + a) += weight.col(a) * at(c + b);
+    const Lanes arm_x = at(c), arm_y = at(c + 1), arm_z = at(c + 2);
+    state.col(s + 0) += w * x;
+    state.col(s + 1) += w * y;
+    state.col(s + 2) += w * z;
+    state.col(s + 3) += arm_y * z - arm_z * y;
+    state.col(s + 4) += arm_z * x - arm_x * z;
+    state.col(s + 5) += arm_x * y - arm_y * x;
+    if (!stretches_) continue;
+    for (int b = 0; b < 3; ++b) {
+      const Lanes arm = at(c + b);
+      state.col(s + 6 + 3 * b) += x * arm;
+      state.col(s + 7 + 3 * b) += y * arm;
+      state.col(s + 8 + 3 * b) += z * arm;
+    }
   }
 }
 
