@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "base/parallel.h"
 #include "codec/standard_profile.h"
 
 namespace nmc::codec {
@@ -67,28 +68,31 @@ struct Attempt {
 };
 
 /// Sets of those clips that are within the bound at the usual precision. In clips of few keys most bytes are poses,
-/// which are then tried at coarser steps as well.
+/// which are then tried at coarser steps as well, at the same time.
 Attempt encode_at_usual_precision(const Source& source, const CompressOptions& options, const Judge& judge,
                                   const std::vector<std::size_t>& clips, const std::vector<ClipResult>& results) {
   constexpr std::size_t few_keys = 64;
-  constexpr std::array coarser{3, 6, 9};
-  const auto attempt = [&](const CompressOptions& with, int precision) {
-    Attempt made{{}, results, {}};
-    made.missed = encode_standard_set(source, with, judge, clips, precision, made.results, made.sets);
-    return made;
-  };
+  constexpr std::array coarser{0, 3, 6, 9};  // the usual precision first
   const int usual = options.exact_ends ? StandardEncoder::exact_precision : StandardEncoder::usual_precision;
-  Attempt best = attempt(options, usual);
   std::size_t keys = 0;
   for (const std::size_t i : clips) keys += source.clips[i].clip.times.size();
-  if (keys > few_keys || options.exact_ends) return best;
-  CompressOptions quiet = options;
-  quiet.progress = nullptr;
+  std::vector<Attempt> attempts(keys > few_keys || options.exact_ends ? 1 : coarser.size());
+  const int threads = options.threads > 0 ? options.threads : hardware_threads();
+  parallel_for(attempts.size(), threads, [&](std::size_t k) {
+    CompressOptions own = options;
+    if (attempts.size() > 1) own.threads = std::max(1, threads / static_cast<int>(attempts.size()));
+    if (k > 0) own.progress = nullptr;
+    Attempt& made = attempts[k];
+    made.results = results;
+    made.missed = encode_standard_set(source, own, judge, clips, usual - coarser[k], made.results, made.sets);
+  });
+  Attempt best = std::move(attempts.front());
+  if (attempts.size() == 1) return best;
   std::vector<PoseRecord> poses{{0, best.bytes(), true}};
-  for (const int step : coarser) {
-    Attempt other = attempt(quiet, usual - step);
+  for (std::size_t k = 1; k < attempts.size(); ++k) {
+    Attempt& other = attempts[k];
     const bool reached = other.missed == best.missed && other.sets.size() == best.sets.size();
-    poses.push_back({step, other.bytes(), reached});
+    poses.push_back({coarser[k], other.bytes(), reached});
     if (reached && other.bytes() < best.bytes()) best = std::move(other);
   }
   if (options.explain)
