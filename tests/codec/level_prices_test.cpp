@@ -21,15 +21,15 @@ ClipLayout layout_of_two_targets() {
   return layout;
 }
 
-Eigen::MatrixXf zeros() { return Eigen::MatrixXf::Zero(6, features); }
+Weights zeros() { return Weights::Zero(6, features); }
 
-Eigen::MatrixXf one_level(Eigen::Index parameter, Eigen::Index feature, float level) {
-  Eigen::MatrixXf levels = zeros();
+Weights one_level(Eigen::Index parameter, Eigen::Index feature, float level) {
+  Weights levels = zeros();
   levels(parameter, feature) = level;
   return levels;
 }
 
-float price_in_the_middle(const std::vector<Eigen::MatrixXf>& windows, std::size_t w = 0) {
+float price_in_the_middle(const std::vector<Weights>& windows, std::size_t w = 0) {
   return level_prices(windows, layout_of_two_targets())[w](1, middle);
 }
 
@@ -37,9 +37,9 @@ TEST(LevelPrices, FollowAGeometricDistribution) {
   // Bits of one more step: log2(1 + 1 / mean); the mean is 0.02 at least, half a bit is added, two bits are the unit.
   const auto expected = [](double mean) { return (0.5 + std::log2(1 + 1 / (mean + 0.02))) / 2; };
   EXPECT_NEAR(price_in_the_middle({zeros()}), expected(0), 1e-5);
-  EXPECT_NEAR(price_in_the_middle({Eigen::MatrixXf::Constant(6, features, 1)}), expected(1), 1e-5);
-  EXPECT_NEAR(price_in_the_middle({Eigen::MatrixXf::Constant(6, features, -3)}), expected(3), 1e-5);
-  const Eigen::MatrixXf twos = Eigen::MatrixXf::Constant(6, features, 2);
+  EXPECT_NEAR(price_in_the_middle({Weights::Constant(6, features, 1)}), expected(1), 1e-5);
+  EXPECT_NEAR(price_in_the_middle({Weights::Constant(6, features, -3)}), expected(3), 1e-5);
+  const Weights twos = Weights::Constant(6, features, 2);
   EXPECT_NEAR(price_in_the_middle({twos, twos, twos}, 1), expected(2), 1e-5);
 }
 
@@ -61,8 +61,8 @@ TEST(LevelPrices, DoNotDependOnTheRest) {
 }
 
 TEST(LevelPrices, WindowsMayDifferInFeatures) {
-  const Eigen::MatrixXf none(6, 0), few = Eigen::MatrixXf::Ones(6, 2);
-  const std::vector<Eigen::MatrixXf> prices = level_prices({zeros(), few, none}, layout_of_two_targets());
+  const Weights none(6, 0), few = Weights::Ones(6, 2);
+  const std::vector<Weights> prices = level_prices({zeros(), few, none}, layout_of_two_targets());
   ASSERT_EQ(prices.size(), 3u);
   EXPECT_EQ(prices[0].cols(), features);
   EXPECT_EQ(prices[1].cols(), 2);
