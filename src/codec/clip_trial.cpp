@@ -35,10 +35,11 @@ class TrialWork {
   void finish(std::size_t limit, bool prunes, Trial& trial) {
     if (trial.bytes >= limit) return;
     LevelClip& levels = trial.levels;
-    // An atom costs about 14 bits; more bytes of them than of weights are a sign of steps that are too coarse.
-    const std::size_t room =
-        levels.atoms.size() + 20 +
-        std::min(trial.bytes, limit < unlimited ? limit - trial.bytes : 2 * levels.times.size() * 14 / 8) * 8 / 14;
+    // More bytes of atoms than of weights, or more than two atoms a sample, are a sign of steps that are too coarse.
+    constexpr std::size_t atom_bits = 14;  // about
+    const std::size_t usual = 2 * levels.times.size() * atom_bits / 8;
+    const std::size_t bytes = std::min(trial.bytes, limit < unlimited ? limit - trial.bytes : usual);
+    const std::size_t room = levels.atoms.size() + 20 + bytes * 8 / atom_bits;
     if (trial.settings.iterations > 0 && context_.parts.refinement) {
       trial.usual_error = usual_error(levels);
       if (trial.is_hopeless()) return;

@@ -572,9 +572,7 @@ Corrections::Corrections(const ClipLayout& layout, const ParameterSteps& steps, 
 Corrections::~Corrections() = default;
 
 bool Corrections::correct(LevelClip& clip, const SampleRow& strictness, std::size_t most_atoms) {
-  const bool reached = corrector_->run(clip, strictness, most_atoms);
-  tidy_atoms(clip.atoms);
-  return reached;
+  return corrector_->run(clip, strictness, most_atoms);
 }
 
 }  // namespace nmc::codec
