@@ -172,7 +172,7 @@ class ClipSearch {
   Trial first_within_bound(const Trial& coarse) {
     Trial trial = coarse;
     for (int k = 0; k < 4 && !trial.kept && !context_.is_late(); ++k)
-      trial = make_and_take(neighbour(trial, stride, 0.8, plan_.first_iterations), &trial);
+      trial = make_and_take(neighbour(trial, stride, 0.8, std::max(plan_.first_iterations, plan_.iterations)), &trial);
     SparseSettings plain = coarse.settings;
     plain.iterations = 0;
     plain.jumps = false;

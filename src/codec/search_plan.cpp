@@ -18,7 +18,7 @@ SearchPlan plan_of(int effort, Eigen::Index samples) {
   const auto plan = [&]() -> SearchPlan {
     // Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
     const int fewer = static_cast<int>(std::clamp<Eigen::Index>(samples / 160, 1, 5));
-    if (effort <= 1) return {30, 20, 0, 0, false, 1};
+    if (effort <= 1) return {30, 60, 0, 0, false, 1};
     if (effort <= 2) return {60, 40, 3 / fewer, 0};
     if (effort <= 3) return {80, 60, 6 / fewer, 0};
     if (effort <= 5) return {100, 70, std::max(2, 7 / fewer), 100};
