@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "codec/atoms.h"
@@ -114,11 +115,15 @@ class TrialWork {
   bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
     if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
     constexpr int rounds = 8, first_rounds = 3;
+    constexpr Eigen::Index most_remembered = 20'000;  // samples: what is known of more takes too much memory
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
-    Corrections corrections(prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), threads());
-    if (is_excerpt()) return corrections.correct(levels, strictness, most_atoms);
+    std::optional<Corrections> corrections;
     for (int round = 0; round < rounds; ++round) {
-      if (!corrections.correct(levels, strictness, most_atoms)) return false;
+      if (!corrections)
+        corrections.emplace(prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), threads());
+      if (!corrections->correct(levels, strictness, most_atoms)) return false;
+      if (is_excerpt()) return true;
+      if (strictness.size() > most_remembered) corrections.reset();
       if (context_.exact_ends)
         restore_ends(levels);
       else if (prepared_.loops && round < rounds / 2)  // better a seam than no end

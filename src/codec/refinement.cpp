@@ -99,13 +99,14 @@ class Refiner {
 
   void start() {
     Eigen::MatrixXd values = values_of_levels(clip_, steps_, samples_);
-    const Rows error = map_.positions(values, threads_) - wanted_;
-    for (DenseWindow& window : windows_) {
-      Rows part = Rows::Zero(error.rows(), window.blocks.count * lanes);
-      part.middleCols(window.first - window.blocks.first * lanes, window.samples) =
-          error.middleCols(window.first, window.samples);
-      window.error = in_blocks(part);
-    }
+    parallel_for(windows_.size(), threads_, [&](std::size_t w) {
+      DenseWindow& window = windows_[w];
+      Rows error = Rows::Zero(map_.error_rows(), window.blocks.count * lanes);
+      error.middleCols(window.first - window.blocks.first * lanes, window.samples) =
+          map_.positions(values.middleCols(window.first, window.samples)) -
+          wanted_.middleCols(window.first, window.samples);
+      window.error = in_blocks(error);
+    });
     values = 0.5 * (values + layout_.values);
     map_.linearise(values, threads_);
   }
