@@ -36,7 +36,7 @@ class Corrections::Corrector {
         aim_(aimed_share * bound),
         threads_(threads),
         samples_(layout.values.cols()),
-        blocks_((samples_ + lanes - 1) / lanes),
+        blocks_(blocks_of(samples_)),
         moving_(static_cast<Eigen::Index>(layout.moving.size())),
         asked_(SampleRow::Ones(blocks_ * lanes)),
         strictness_(asked_),
@@ -227,12 +227,10 @@ class Corrections::Corrector {
     }
   }
 
-  Eigen::Index worst_point(Eigen::Index n) const { return worst_point_(n); }
-
   /// The moving parameters that could take most of the worst point's error away: by |J^T e| a step.
   std::vector<Eigen::Index> promising(Eigen::Index n, std::size_t most) const {
     Rows weight = Rows::Zero(map_.error_rows(), 1), gradient;
-    const Eigen::Index first = map_.first_row(worst_point(n)), count = map_.row_count(worst_point(n));
+    const Eigen::Index first = map_.first_row(worst_point_(n)), count = map_.row_count(worst_point_(n));
     weight.col(0).segment(first, count) = errors_of(n).segment(first, count).transpose();
     map_.gradient(weight, gradient, n);
     std::vector<std::pair<double, Eigen::Index>> ranked;
@@ -252,8 +250,8 @@ class Corrections::Corrector {
   /// most of its error away, and smaller ones.
   std::vector<std::int32_t> levels_for(const Eigen::Array3f& pull, Eigen::Index n, double step) const {
     double ee = 0, ej = 0, jj = 0;
-    for (Eigen::Index a = 0; a < map_.row_count(worst_point(n)); ++a) {
-      const double e = errors_of(n)(map_.first_row(worst_point(n)) + a), j = pull(a);
+    for (Eigen::Index a = 0; a < map_.row_count(worst_point_(n)); ++a) {
+      const double e = errors_of(n)(map_.first_row(worst_point_(n)) + a), j = pull(a);
       ee += e * e;
       ej += e * j;
       jj += j * j;
@@ -290,7 +288,7 @@ class Corrections::Corrector {
 
   /// What one unit of a parameter does around sample n, as far as atoms of this width reach.
   Effect effect_around(Eigen::Index moving, Eigen::Index n, int width) const {
-    Effect effect = map_.effect(moving, reached_by(n, width));
+    Effect effect = map_.effect(moving, reach_of(n, width).blocks());
     const Eigen::Index columns = effect.column(0, 1);
     for (Eigen::Index b = 0; b < effect.blocks.count; ++b)
       effect.values.middleCols(b * columns, columns).colwise() *= strict(effect.blocks.first + b);
@@ -308,7 +306,7 @@ class Corrections::Corrector {
     for (int width = 0; const int last_width : stages) {
       effect = effect_around(moving, n, last_width);
       if (last_width == stages.front()) {
-        const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point(n)) - effect.points.begin();
+        const auto at = std::find(effect.points.begin(), effect.points.end(), worst_point_(n)) - effect.points.begin();
         if (at == std::ssize(effect.points)) return best;
         const Eigen::Index column = effect.column(static_cast<std::size_t>(at), n / lanes - effect.blocks.first);
         for (const std::int32_t level : levels_for(effect.values.row(n % lanes).segment<3>(column), n, step)) {
@@ -339,10 +337,9 @@ class Corrections::Corrector {
   };
 
   Spread spread_of(Eigen::Index n, int width, double amount, const BlockRange& blocks) const {
-    const Eigen::Index half = (Eigen::Index{1} << width) - 1;
-    const Eigen::Index first = std::max<Eigen::Index>(0, n - half), end = std::min(samples_, n + half + 1);
-    Spread spread{reached_by(n, width), LaneRows::Zero(lanes, blocks.count)};
-    for (Eigen::Index m = first; m < end; ++m)
+    const Reach reach = reach_of(n, width);
+    Spread spread{reach.blocks(), LaneRows::Zero(lanes, blocks.count)};
+    for (Eigen::Index m = reach.first; m < reach.end; ++m)
       spread.shares(m % lanes, m / lanes - blocks.first) =
           static_cast<float>(amount * atom_share(std::abs(m - n), width));
     return spread;
@@ -393,13 +390,20 @@ class Corrections::Corrector {
 
   void add_values(const LevelAtom& atom) {
     add_atom_values(atom, *clip_, steps_, values_);
-    const BlockRange reached = reached_by(static_cast<Eigen::Index>(atom.sample), atom.width);
+    const BlockRange reached = reach_of(static_cast<Eigen::Index>(atom.sample), atom.width).blocks();
     std::fill_n(has_old_error_.begin() + reached.first, reached.count, char{1});
   }
 
-  BlockRange reached_by(Eigen::Index n, int width) const {
-    const Eigen::Index reach = (Eigen::Index{1} << width) - 1, first = std::max<Eigen::Index>(0, n - reach);
-    return BlockRange::of(first, std::min(samples_, n + reach + 1) - first);
+  /// The samples that an atom changes.
+  struct Reach {
+    Eigen::Index first = 0, end = 0;
+
+    BlockRange blocks() const { return BlockRange::of(first, end - first); }
+  };
+
+  Reach reach_of(Eigen::Index n, int width) const {
+    const Eigen::Index half = (Eigen::Index{1} << width) - 1;
+    return {std::max<Eigen::Index>(0, n - half), std::min(samples_, n + half + 1)};
   }
 
   void apply(const FoundAtom& candidate) {

@@ -53,7 +53,7 @@ std::vector<LaneRows> columns_of(const std::vector<LaneRows>& turns, Eigen::Inde
   if (turns.empty()) return {};
   const auto stride = static_cast<Eigen::Index>(turns.size());
   const Eigen::Index first_samples = (all + stride - 1) / stride;
-  const Eigen::Index rows = turns.front().cols() / ((first_samples + lanes - 1) / lanes);
+  const Eigen::Index rows = turns.front().cols() / blocks_of(first_samples);
   Rows some(rows, static_cast<Eigen::Index>(samples.size()));
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const LaneRows& turn = turns[static_cast<std::size_t>(samples[k] % stride)];

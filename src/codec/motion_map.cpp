@@ -161,8 +161,7 @@ void MotionMap::pose(const ConstValues& values, Eigen::Index n, std::vector<Move
 
 Rows MotionMap::positions(const ConstValues& values, int threads) const {
   Rows out(error_rows(), values.cols());
-  const Eigen::Index blocks = (values.cols() + lanes - 1) / lanes;
-  parallel_for(static_cast<std::size_t>(blocks), threads, [&](std::size_t block) {
+  parallel_for(static_cast<std::size_t>(blocks_of(values.cols())), threads, [&](std::size_t block) {
     const Eigen::Index first = static_cast<Eigen::Index>(block) * lanes;
     positions(values, first, std::min(values.cols(), first + lanes), out);
   });
@@ -455,7 +454,7 @@ void MotionMap::gradient(const Rows& weight, Rows& gradient, Eigen::Index from) 
 }
 
 LaneRows in_blocks(const Rows& rows) {
-  const Eigen::Index blocks = (rows.cols() + lanes - 1) / lanes;
+  const Eigen::Index blocks = blocks_of(rows.cols());
   LaneRows out = LaneRows::Zero(lanes, blocks * rows.rows());
   for (Eigen::Index block = 0; block < blocks; ++block) {
     const Overlap part = overlap(block, 0, rows.cols());

@@ -28,6 +28,9 @@ constexpr Eigen::Index lanes = 16;
 using Lanes = Eigen::Array<float, lanes, 1>;
 using LaneRows = Eigen::Array<float, lanes, Eigen::Dynamic>;
 
+/// Blocks that hold so many samples.
+constexpr Eigen::Index blocks_of(Eigen::Index samples) { return (samples + lanes - 1) / lanes; }
+
 /// Rows of numbers in blocks of samples: column block * rows + r has row r's samples of one block. What lies beyond the
 /// last sample is zero.
 LaneRows in_blocks(const Rows& rows);
@@ -177,7 +180,7 @@ class MotionMap {
                           Eigen::Index block, Eigen::Index lane);
 
   Eigen::Index state_width() const { return stretches_ ? 15 : 6; }
-  Eigen::Index block_count() const { return (samples_ + lanes - 1) / lanes; }
+  Eigen::Index block_count() const { return blocks_of(samples_); }
   auto row(Eigen::Index block, Eigen::Index r) const { return rows_.col(block * row_count_ + r); }
   float& entry(Eigen::Index r, Eigen::Index block, Eigen::Index lane) { return rows_(lane, block * row_count_ + r); }
   void move(std::size_t mover, Eigen::Index block, const LaneRows& delta, LaneRows& state) const;

@@ -80,7 +80,7 @@ Attempt encode_at_usual_precision(const Source& source, const CompressOptions& o
   const int threads = options.threads > 0 ? options.threads : hardware_threads();
   parallel_for(attempts.size(), threads, [&](std::size_t k) {
     CompressOptions own = options;
-    if (attempts.size() > 1) own.threads = std::max(1, threads / static_cast<int>(attempts.size()));
+    own.threads = std::max(1, threads / static_cast<int>(attempts.size()));
     if (k > 0) own.progress = nullptr;
     Attempt& made = attempts[k];
     made.results = results;
