@@ -95,6 +95,7 @@ std::optional<std::vector<LevelAtom>> few_atoms(const std::vector<std::vector<Le
   for (int k = 0; k < most && now > 0; ++k) {
     std::vector<LevelAtom> best;
     for (const std::vector<LevelAtom>& list : lists) {
+      if (now <= 0) break;
       std::vector<LevelAtom> with = joined({chosen, list});
       if (const double then = excess(with); then < now) {
         now = then;

@@ -1,6 +1,7 @@
 #include "codec/between.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "codec/atoms.h"
@@ -14,10 +15,8 @@ double error_around(const BetweenInput& input, Eigen::Index n, double seconds, c
   const auto at = static_cast<std::size_t>(n);
   const motion::Clip two{input.clip.clip.name, {times[at - 1], times[at]}, {}};
   const Animation made = with_kept(input.clip, clip_of_parameters(two, input.frame, input.layout, pair));
-  double largest = 0;
-  for (const double at_seconds : {static_cast<double>(two.times[0]), seconds, static_cast<double>(two.times[1])})
-    largest = std::max(largest, input.meter.error_at(input.clip.original, made, at_seconds));
-  return largest;
+  const std::array<double, 3> looked_at{two.times[0], seconds, two.times[1]};
+  return input.meter.error_at(input.clip.original, made, looked_at);
 }
 
 /// Steps of single parameters at samples n - 1 and n, of the rotations that turn far between them.
@@ -39,28 +38,30 @@ std::vector<std::vector<LevelAtom>> steps_of_turns(const ClipLayout& layout, Eig
 }  // namespace
 
 bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Mending mending,
-                  Eigen::MatrixXd& values, LevelClip& levels) {
-  const auto excess = [&](const std::vector<LevelAtom>& atoms) {
-    Eigen::MatrixXd pair = values.middleCols(n - 1, 2);
-    for (const LevelAtom& atom : atoms)
-      pair(atom.parameter, static_cast<Eigen::Index>(atom.sample) - (n - 1)) +=
+                  Eigen::MatrixXd& values, std::vector<LevelAtom>& atoms) {
+  const auto first = n - 1;
+  const auto add = [&](const std::vector<LevelAtom>& added, Eigen::Ref<Eigen::MatrixXd> pair) {
+    for (const LevelAtom& atom : added)
+      pair(atom.parameter, static_cast<Eigen::Index>(atom.sample) - first) +=
           atom.level * input.steps.anchor(atom.parameter);
+  };
+  const auto excess = [&](const std::vector<LevelAtom>& added) {
+    Eigen::MatrixXd pair = values.middleCols(first, 2);
+    add(added, pair);
     return std::max(0.0, error_around(input, n, seconds, pair) - bound);
   };
-  const auto put = [&](const std::vector<LevelAtom>& atoms) {
-    for (const LevelAtom& atom : atoms) {
-      put_atom(atom, levels.atoms);
-      add_atom_values(atom, levels, input.steps, values);
-    }
+  const auto put = [&](const std::vector<LevelAtom>& added) {
+    for (const LevelAtom& atom : added) put_atom(atom, atoms);
+    add(added, values.middleCols(first, 2));
   };
   const auto tip = [&] {
-    const std::optional<std::vector<LevelAtom>> atoms = few_atoms(steps_of_turns(input.layout, n), excess);
-    if (atoms) put(*atoms);
-    return atoms.has_value();
+    const std::optional<std::vector<LevelAtom>> steps = few_atoms(steps_of_turns(input.layout, n), excess);
+    if (steps) put(*steps);
+    return steps.has_value();
   };
   // Most often a turn of about half a circle goes the other way, and little tips it back.
   if (mending == Mending::tips && tip()) return true;
-  put(needed_atoms(missing_by_target(input.layout, input.steps, n - 1, 2, values), excess));
+  put(needed_atoms(missing_by_target(input.layout, input.steps, first, 2, values), excess));
   // Within rounding of half a turn even the true values, rounded, may go the other way.
   return excess({}) <= 0 || tip();
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "codec/clip_layout.h"
 #include "codec/clip_set.h"
@@ -29,9 +30,9 @@ enum class Mending {
 
 /// Corrects samples n - 1 and n, so that the errors there and at `seconds` between them are within `bound` (world
 /// units): tips, or brings as few targets as are needed to their true values; where rounding stands in the way of
-/// these, goes a few steps from them. `values` (all parameters x samples) are those of the levels, and follow them.
-/// False where an error is still above the bound.
+/// these, goes a few steps from them. What is corrected is put into `atoms`; `values` (all parameters x samples), of
+/// which no other samples are looked at, follow. False where an error is still above the bound.
 bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Mending mending,
-                  Eigen::MatrixXd& values, LevelClip& levels);
+                  Eigen::MatrixXd& values, std::vector<LevelAtom>& atoms);
 
 }  // namespace nmc::codec

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/parallel.h"
 #include "codec/atoms.h"
 #include "codec/between.h"
 #include "codec/corrections.h"
@@ -166,18 +167,38 @@ class TrialWork {
   /// Where the error between two samples is `far` times the bound or more, what goes wrong there is set right on both
   /// sides; errors that are mended count as zero from then on.
   void mend_flips(motion::ErrorProfile& profile, double far, Mending mending, LevelClip& levels) const {
+    const std::vector<std::vector<Flip>> runs = flips(profile, far);
+    if (runs.empty()) return;
+    Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    const BetweenInput input{clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter};
+    std::vector<std::vector<LevelAtom>> atoms(runs.size());
+    parallel_for(runs.size(), threads(), [&](std::size_t r) {
+      for (const Flip& flip : runs[r])
+        if (mend_between(input, flip.next, profile.seconds[flip.time], goal(), mending, values, atoms[r]))
+          profile.max_error[flip.time] = 0;
+    });
+    for (const std::vector<LevelAtom>& some : atoms)
+      for (const LevelAtom& atom : some) put_atom(atom, levels.atoms);
+    tidy_atoms(levels.atoms);
+  }
+
+  struct Flip {
+    std::size_t time;   ///< of the profile
+    Eigen::Index next;  ///< sample at or after it
+  };
+
+  /// Times whose error is `far` times the bound or more; those that share a sample are in one run.
+  std::vector<std::vector<Flip>> flips(const motion::ErrorProfile& profile, double far) const {
     const std::vector<float>& times = clip_.clip.times;
-    Eigen::MatrixXd values;
+    std::vector<std::vector<Flip>> runs;
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
       if (!(profile.max_error[k] > far * context_.bound.tolerance)) continue;
       const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
       if (next == 0 || next == std::ssize(times)) continue;
-      if (values.size() == 0) values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-      if (mend_between({clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter}, next,
-                       profile.seconds[k], goal(), mending, values, levels))
-        profile.max_error[k] = 0;
+      if (runs.empty() || next > runs.back().back().next + 1) runs.emplace_back();
+      runs.back().push_back({k, next});
     }
-    tidy_atoms(levels.atoms);
+    return runs;
   }
 
   /// Makes the samples next to each time above the bound stricter, by `least` or more.

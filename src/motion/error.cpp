@@ -281,13 +281,16 @@ bool ErrorMeter::is_loop(const Animation& animation, double first_seconds, doubl
   return std::max(worst.error, morph.error) <= loop_gap * size_;
 }
 
-double ErrorMeter::error_at(const Animation& original, const Animation& decoded, double seconds) const {
+double ErrorMeter::error_at(const Animation& original, const Animation& decoded,
+                            std::span<const double> seconds) const {
   Comparison comparison(*skeleton_, *points_, original, decoded);
-  comparison.read(seconds);
   WorstPoint worst;
-  search_.raise(comparison.difference(), worst);
   MorphError morph;
-  comparison.raise_morph(morph);
+  for (const double at_seconds : seconds) {
+    comparison.read(at_seconds);
+    search_.raise(comparison.difference(), worst);
+    comparison.raise_morph(morph);
+  }
   return std::max(worst.error, morph.error);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -61,8 +62,11 @@ class ErrorMeter {
   ErrorMeter(const Skeleton& skeleton, const Points& points);
 
   ErrorReport report(const Animation& original, const Animation& decoded) const;
-  /// As ErrorReport.max at one time, in seconds.
-  double error_at(const Animation& original, const Animation& decoded, double seconds) const;
+  /// As ErrorReport.max at these times, or at one time, in seconds.
+  double error_at(const Animation& original, const Animation& decoded, std::span<const double> seconds) const;
+  double error_at(const Animation& original, const Animation& decoded, double seconds) const {
+    return error_at(original, decoded, std::span(&seconds, 1));
+  }
   ErrorProfile profile(const Animation& original, const Animation& decoded, int threads = 1) const;
 
  private:

@@ -155,7 +155,7 @@ TEST(MendBetween, SetsRightTheJointThatTurnsTheOtherWay) {
   ASSERT_GT(error_between(), 1.0);
   LevelClip levels;
   mend_between({flipping.source, flipping.frame, flipping.layout, flipping.steps, meter}, 2, 0.15, 0.03,
-               Mending::true_poses, values, levels);
+               Mending::true_poses, values, levels.atoms);
   EXPECT_LT(error_between(), 0.03);
   ASSERT_FALSE(levels.atoms.empty());
   for (const LevelAtom& one : levels.atoms) {
@@ -180,11 +180,11 @@ TEST(MendBetween, TipsAHalfTurnThatRoundingSendsTheOtherWay) {
   ASSERT_GT(error_at(0.15), 1.0);
   LevelClip levels;
   const BetweenInput input{flipping.source, flipping.frame, flipping.layout, flipping.steps, meter};
-  EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, Mending::true_poses, values, levels));
+  EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, Mending::true_poses, values, levels.atoms));
   for (const double seconds : {0.1, 0.15, 0.2}) EXPECT_LT(error_at(seconds), 0.03);
   EXPECT_EQ(levels.atoms.size(), 1u);
   // A bound below what rounding leaves is out of reach, and is not said to be kept.
-  EXPECT_FALSE(mend_between(input, 2, 0.15, 1e-6, Mending::true_poses, values, levels));
+  EXPECT_FALSE(mend_between(input, 2, 0.15, 1e-6, Mending::true_poses, values, levels.atoms));
 }
 
 TEST(MendBetween, TipsWithOneAtomWhatItsTruePoseTakesMoreFor) {
@@ -197,7 +197,7 @@ TEST(MendBetween, TipsWithOneAtomWhatItsTruePoseTakesMoreFor) {
     Eigen::MatrixXd values = flipping.layout.values;
     values.col(2).array() += 0.01;
     LevelClip levels;
-    EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, mending, values, levels));
+    EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, mending, values, levels.atoms));
     const Animation made =
         with_kept(flipping.source, clip_of_parameters(flipping.source.clip, flipping.frame, flipping.layout, values));
     for (const double seconds : {0.1, 0.15, 0.2})
