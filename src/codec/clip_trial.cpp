@@ -23,6 +23,9 @@ constexpr float hopeless_repaired = 1.07f;
 
 constexpr double worth_pruning = 1.04;  ///< of the smallest candidate's bytes
 
+/// Samples: what is known of longer clips takes too much memory to be kept from round to round.
+constexpr Eigen::Index most_remembered = 20'000;
+
 /// What is done to one trial after its training: corrected, pruned, measured, counted.
 class TrialWork {
  public:
@@ -116,9 +119,9 @@ class TrialWork {
   bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
     if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
     constexpr int rounds = 8, first_rounds = 3;
-    constexpr Eigen::Index most_remembered = 20'000;  // samples: what is known of more takes too much memory
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
     std::optional<Corrections> corrections;
+    Measured measured;
     for (int round = 0; round < rounds; ++round) {
       if (!corrections)
         corrections.emplace(prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), threads());
@@ -129,14 +132,18 @@ class TrialWork {
         restore_ends(levels);
       else if (prepared_.loops && round < rounds / 2)  // better a seam than no end
         close_seam(levels, end_signs(prepared_.layout), prepared_.layout.values.cols());
-      motion::ErrorProfile profile = error_profile(levels);
+      measure(levels, measured);
+      motion::ErrorProfile profile = measured.profile;
       if (is_within_bound(profile)) return true;
       if (round < first_rounds)
         mend_flips(profile, 1.5, Mending::tips, levels);
       else
         mend_flips(profile, 1, Mending::true_poses, levels);
       // What is corrected next may break what has just been mended.
-      if (round >= first_rounds && is_within_bound(error_profile(levels))) return true;
+      if (round >= first_rounds) {
+        measure(levels, measured);
+        if (is_within_bound(measured.profile)) return true;
+      }
       tighten(profile, 1 + 0.1 * round, strictness);
     }
     return false;
@@ -153,10 +160,40 @@ class TrialWork {
   }
 
   motion::ErrorProfile error_profile(const LevelClip& levels) const {
-    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
-    return context_.meter.profile(
-        clip_.original, with_kept(clip_, clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values)),
-        threads());
+    Measured measured;
+    measure(levels, measured);
+    return measured.profile;
+  }
+
+  /// What levels mean, and their errors.
+  struct Measured {
+    Eigen::MatrixXd values;  ///< all parameters x samples; empty: not remembered
+    motion::ErrorProfile profile;
+  };
+
+  /// Only times beside samples whose values have changed are looked at again.
+  void measure(const LevelClip& levels, Measured& measured) const {
+    Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    const Animation decoded =
+        with_kept(clip_, clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values));
+    if (measured.values.size() == 0) {
+      measured.profile = context_.meter.profile(clip_.original, decoded, threads());
+    } else {
+      std::vector<bool> stale(measured.profile.seconds.size());
+      for (std::size_t k = 0; k < stale.size(); ++k) {
+        const Eigen::Index next = next_sample(measured.profile.seconds[k]);
+        for (const Eigen::Index n : {std::max<Eigen::Index>(next - 1, 0), std::min(next, values.cols() - 1)})
+          if (values.col(n) != measured.values.col(n)) stale[k] = true;
+      }
+      context_.meter.renew(measured.profile, stale, clip_.original, decoded, threads());
+    }
+    if (values.cols() <= most_remembered) measured.values = std::move(values);
+  }
+
+  /// The first sample after a time, up to the number of samples.
+  Eigen::Index next_sample(double seconds) const {
+    const std::vector<float>& times = clip_.clip.times;
+    return std::upper_bound(times.begin(), times.end(), seconds) - times.begin();
   }
 
   bool is_within_bound(const motion::ErrorProfile& profile) const {
@@ -189,12 +226,11 @@ class TrialWork {
 
   /// Times whose error is `far` times the bound or more; those that share a sample are in one run.
   std::vector<std::vector<Flip>> flips(const motion::ErrorProfile& profile, double far) const {
-    const std::vector<float>& times = clip_.clip.times;
     std::vector<std::vector<Flip>> runs;
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
       if (!(profile.max_error[k] > far * context_.bound.tolerance)) continue;
-      const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
-      if (next == 0 || next == std::ssize(times)) continue;
+      const Eigen::Index next = next_sample(profile.seconds[k]);
+      if (next == 0 || next == std::ssize(clip_.clip.times)) continue;
       if (runs.empty() || next > runs.back().back().next + 1) runs.emplace_back();
       runs.back().push_back({k, next});
     }
@@ -205,13 +241,12 @@ class TrialWork {
   void tighten(const motion::ErrorProfile& profile, double least, SampleRow& strictness) const {
     constexpr double most = 1.5;  // at once
     const double bound = kept_share * context_.bound.tolerance;
-    const std::vector<float>& times = clip_.clip.times;
     SampleRow factor = SampleRow::Ones(strictness.size());
     for (std::size_t k = 0; k < profile.seconds.size(); ++k) {
       if (profile.max_error[k] <= bound) continue;
-      const auto next = std::upper_bound(times.begin(), times.end(), profile.seconds[k]) - times.begin();
+      const Eigen::Index next = next_sample(profile.seconds[k]);
       const auto worse = static_cast<float>(std::clamp(profile.max_error[k] / goal(), least, std::max(least, most)));
-      for (const std::ptrdiff_t n : {next - 1, next})
+      for (const Eigen::Index n : {next - 1, next})
         if (n >= 0 && n < strictness.size()) factor(n) = std::max(factor(n), worse);
     }
     strictness *= factor;

@@ -26,7 +26,12 @@ struct SampleTime {
 /// All key times and the midpoints between them, increasing; time 0 without curves.
 std::vector<SampleTime> sample_times(const Animation& animation) {
   std::vector<double> keys;
-  for (const Curve& curve : animation.curves) keys.insert(keys.end(), curve.times.begin(), curve.times.end());
+  const std::vector<float>* before_times = nullptr;  // most often all curves have the same keys
+  for (const Curve& curve : animation.curves) {
+    if (before_times && curve.times == *before_times) continue;
+    keys.insert(keys.end(), curve.times.begin(), curve.times.end());
+    before_times = &curve.times;
+  }
   if (keys.empty()) keys.push_back(0.0);
   std::sort(keys.begin(), keys.end());
   std::vector<SampleTime> samples;
@@ -295,27 +300,38 @@ double ErrorMeter::error_at(const Animation& original, const Animation& decoded,
 }
 
 ErrorProfile ErrorMeter::profile(const Animation& original, const Animation& decoded, int threads) const {
-  constexpr std::size_t part = 512;  // times that one thread looks at in a row: the worst place moves slowly
   const std::vector<SampleTime> samples = sample_times(original);
   ErrorProfile profile;
   profile.seconds.resize(samples.size());
   profile.max_error.resize(samples.size());
   profile.worst_point.resize(samples.size());
-  parallel_for((samples.size() + part - 1) / part, threads, [&](std::size_t k) {
+  std::transform(samples.begin(), samples.end(), profile.seconds.begin(),
+                 [](const SampleTime& s) { return s.seconds; });
+  renew(profile, std::vector<bool>(samples.size(), true), original, decoded, threads);
+  return profile;
+}
+
+void ErrorMeter::renew(ErrorProfile& profile, const std::vector<bool>& stale, const Animation& original,
+                       const Animation& decoded, int threads) const {
+  constexpr std::size_t part = 512;  // times that one thread looks at in a row: the worst place moves slowly
+  const std::size_t count = profile.seconds.size();
+  parallel_for((count + part - 1) / part, threads, [&](std::size_t k) {
+    const auto first = stale.begin() + static_cast<std::ptrdiff_t>(k * part);
+    const auto last = stale.begin() + static_cast<std::ptrdiff_t>(std::min(count, (k + 1) * part));
+    if (std::find(first, last, true) == last) return;
     Comparison comparison(*skeleton_, *points_, original, decoded);
     WorstPoint worst;
-    for (std::size_t n = k * part; n < std::min(samples.size(), (k + 1) * part); ++n) {
-      comparison.read(samples[n].seconds);
+    for (std::size_t n = k * part; n < std::min(count, (k + 1) * part); ++n) {
+      if (!stale[n]) continue;
+      comparison.read(profile.seconds[n]);
       worst = {0.0, -1, worst.cluster};
       search_.raise(comparison.difference(), worst);
       MorphError morph;
       comparison.raise_morph(morph);
-      profile.seconds[n] = samples[n].seconds;
       profile.max_error[n] = std::max(worst.error, morph.error);
       profile.worst_point[n] = morph.error > worst.error ? -1 : worst.point;
     }
   });
-  return profile;
 }
 
 ErrorReport measure_error(const Skeleton& skeleton, const Points& points, const Animation& original,

@@ -68,6 +68,9 @@ class ErrorMeter {
     return error_at(original, decoded, std::span(&seconds, 1));
   }
   ErrorProfile profile(const Animation& original, const Animation& decoded, int threads = 1) const;
+  /// Measures a profile's stale times (one flag per time) anew, after `decoded` has changed there.
+  void renew(ErrorProfile& profile, const std::vector<bool>& stale, const Animation& original, const Animation& decoded,
+             int threads = 1) const;
 
  private:
   /// Whether the pose at the last key is the first one again (loop_gap).

@@ -151,6 +151,20 @@ TEST(MeasureError, MidpointsAreSeen) {
   EXPECT_EQ(p.worst_point, (std::vector<int>{-1, -1, -1, 0, -1}));
 }
 
+TEST(MeasureError, AProfileIsRenewedWhereItIsStale) {
+  const Skeleton s = chain(1);
+  const Points points = origins(s);
+  const ErrorMeter meter(s, points);
+  const Animation still = only(moving(0, {0, 1, 2, 3}, {0, 0, 0, 0}));
+  ErrorProfile p = meter.profile(still, only(moving(0, {0, 1, 2, 3}, {0.5f, 0, 0, 0})));
+  EXPECT_EQ(p.max_error, (std::vector<double>{0.5, 0.25, 0, 0, 0, 0, 0}));
+  const Animation other = only(moving(0, {0, 1, 2, 3}, {0, 0, 1, 1}));
+  meter.renew(p, {false, false, false, true, true, true, false}, still, other);
+  EXPECT_EQ(p.max_error, (std::vector<double>{0.5, 0.25, 0, 0.5, 1, 1, 0}));
+  EXPECT_EQ(p.worst_point, (std::vector<int>{0, 0, -1, 0, 0, 0, -1}));
+  EXPECT_EQ(p.seconds, (std::vector<double>{0, 0.5, 1, 1.5, 2, 2.5, 3}));
+}
+
 TEST(MeasureError, SlerpBetweenKeysIsCompared) {
   // The decoded animation goes the same way with one key in the middle where a straight line of numbers would not be.
   const Skeleton s = chain(2);
@@ -163,6 +177,8 @@ TEST(MeasureError, KeyTimesOfAllCurvesCount) {
   Animation a{"", {moving(0, {0, 2}, {0, 0}), moving(1, {0.5f, 1.0f, 1.0000005f}, {1, 1, 1})}};
   EXPECT_EQ(error_profile(s, origins(s), a, a).seconds, (std::vector<double>{0, 0.25, 0.5, 0.75, 1, 1.5, 2}));
   EXPECT_EQ(error_profile(s, origins(s), {}, a).seconds, (std::vector<double>{0}));
+  a.curves.push_back(moving(1, {0.5f, 1.0f, 1.0000005f}, {2, 2, 2}));
+  EXPECT_EQ(error_profile(s, origins(s), a, a).seconds, (std::vector<double>{0, 0.25, 0.5, 0.75, 1, 1.5, 2}));
 }
 
 TEST(MeasureError, AMissingCurveMeansTheRestValue) {
