@@ -32,6 +32,7 @@ class ClipSearch {
   /// The smallest levels found from these cuts.
   LevelClip run(std::vector<SparseSettings> cuts) {
     const bool from_each_cut = effort_ > 5;
+    if (plan_.guesses && !context_.is_late()) cuts = {guessed(cuts)};
     Trial current = best_cut(std::move(cuts), from_each_cut);
     const bool searched = from_each_cut && current.kept;
     if (!current.kept) current = first_within_bound(current);
@@ -109,6 +110,33 @@ class ClipSearch {
       for (Workbench& bench : benches_) bench.threads = threads_of_each(some);
       parallel_for(some, static_cast<int>(some), [&](std::size_t k) { body(first + k, benches_[k]); });
     }
+  }
+
+  /// The cut that is smallest untrained, where rounding takes about all of the tolerance; the plan gets its steps.
+  SparseSettings guessed(const std::vector<SparseSettings>& cuts) {
+    plan_.first_exponent += rounded(cuts.front(), bench()).finer;
+    std::vector<Rounded> all(cuts.size());
+    at_once(cuts.size(), [&](std::size_t k, Workbench& bench) { all[k] = rounded(cuts[k], bench); });
+    const auto least =
+        std::min_element(all.begin(), all.end(), [](const Rounded& a, const Rounded& b) { return a.bytes < b.bytes; });
+    plan_.first_exponent += least->finer;
+    return cuts[static_cast<std::size_t>(least - all.begin())];
+  }
+
+  struct Rounded {
+    std::size_t bytes;
+    int finer;  ///< steps of the exponent until the usual error is the tolerance
+  };
+
+  /// A cut without training, at the plan's steps.
+  Rounded rounded(SparseSettings cut, Workbench& bench) const {
+    constexpr double most = 4;  // octaves
+    cut.step_exponent = plan_.first_exponent;
+    cut.rate = plan_.first_rate;
+    cut.iterations = 0;
+    const Trial trial = train_trial(clip_, cut, nullptr, bench);
+    const double octaves = std::log2(static_cast<double>(usual_error(clip_, trial.levels, bench)));
+    return {trial.bytes, static_cast<int>(std::lround(4 * std::clamp(octaves, -most, most)))};
   }
 
   /// A cut's first trial, and one at finer steps where that one's are far too coarse.

@@ -51,7 +51,7 @@ class TrialWork {
       repair(levels, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal() * 0.99, threads());
       if (usual_error(levels) > hopeless_repaired) return;
     }
-    trial.kept = bring_within_bound(levels, room);
+    trial.kept = bring_within_bound(levels, room, trial.settings.iterations > 0);
     trial.bytes = bytes_of(levels);
     const bool is_small = static_cast<double>(trial.bytes) < worth_pruning * static_cast<double>(limit);
     if (trial.kept && is_small && prunes && context_.parts.refinement) prune_levels(room, trial);
@@ -71,6 +71,14 @@ class TrialWork {
                           trial.kept, false, basis_name(trial.settings.basis), trial.settings.jumps});
   }
 
+  /// The median over the samples of the largest error, in units of the tolerance.
+  float usual_error(const LevelClip& levels) const {
+    SampleRow largest = square_errors(levels);
+    const auto middle = largest.begin() + largest.size() / 2;
+    std::nth_element(largest.begin(), middle, largest.end());
+    return std::sqrt(*middle) / static_cast<float>(context_.bound.tolerance);
+  }
+
   std::size_t bytes_of(const LevelClip& clip) const {
     ClipSet alone = context_.set;
     alone.clips = {clip};
@@ -87,7 +95,7 @@ class TrialWork {
   void prune_levels(std::size_t room, Trial& trial) {
     LevelClip pruned = trial.levels;
     prune(pruned, prepared_.layout, prepared_.steps, map(), prepared_.wanted, goal(), threads());
-    if (!bring_within_bound(pruned, room)) return;
+    if (!bring_within_bound(pruned, room, true)) return;
     const std::size_t bytes = bytes_of(pruned);
     if (bytes >= trial.bytes) return;
     trial.levels = std::move(pruned);
@@ -106,17 +114,9 @@ class TrialWork {
     return largest;
   }
 
-  /// The median over the samples of the largest error, in units of the tolerance.
-  float usual_error(const LevelClip& levels) const {
-    SampleRow largest = square_errors(levels);
-    const auto middle = largest.begin() + largest.size() / 2;
-    std::nth_element(largest.begin(), middle, largest.end());
-    return std::sqrt(*middle) / static_cast<float>(context_.bound.tolerance);
-  }
-
   /// Corrects; measures what the levels mean between the file's keys and at every vertex; where that is above the
-  /// bound, corrects the samples around it further.
-  bool bring_within_bound(LevelClip& levels, std::size_t most_atoms) {
+  /// bound, corrects the samples around it further. `closes_loops`: rather than a loop with a seam, none.
+  bool bring_within_bound(LevelClip& levels, std::size_t most_atoms, bool closes_loops) {
     if (!context_.parts.corrections) return is_within_bound(error_profile(levels));
     constexpr int rounds = 8, first_rounds = 3;
     SampleRow strictness = SampleRow::Ones(prepared_.layout.values.cols());
@@ -130,7 +130,7 @@ class TrialWork {
       if (strictness.size() > most_remembered) corrections.reset();
       if (context_.exact_ends)
         restore_ends(levels);
-      else if (prepared_.loops && round < rounds / 2)  // better a seam than no end
+      else if (prepared_.loops && (closes_loops || round < rounds / 2))  // better a seam than no end
         close_seam(levels, end_signs(prepared_.layout), prepared_.layout.values.cols());
       measure(levels, measured);
       motion::ErrorProfile profile = measured.profile;
@@ -287,6 +287,10 @@ Trial train_trial(const TrialClip& clip, const SparseSettings& settings, const T
   trial.bytes = work.bytes_of(trial.levels);
   work.record(trial);
   return trial;
+}
+
+float usual_error(const TrialClip& clip, const LevelClip& levels, Workbench& bench) {
+  return TrialWork(clip, bench).usual_error(levels);
 }
 
 void finish_trial(const TrialClip& clip, std::size_t limit, bool prunes, Workbench& bench, Trial& trial) {

@@ -55,6 +55,9 @@ Workbench make_workbench(const TrialClip& clip, int threads);
 /// Trains, from the transform or from where another training ended (of the same basis and boundaries; null: none).
 Trial train_trial(const TrialClip& clip, const SparseSettings& settings, const TrainingState* start, Workbench& bench);
 
+/// As Trial::usual_error, of the levels as they are.
+float usual_error(const TrialClip& clip, const LevelClip& levels, Workbench& bench);
+
 /// Corrects a trained trial that may get below `limit` bytes and is not hopeless; takes from it what the bound can do
 /// without (`prunes`).
 void finish_trial(const TrialClip& clip, std::size_t limit, bool prunes, Workbench& bench, Trial& trial);

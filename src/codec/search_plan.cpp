@@ -18,7 +18,7 @@ SearchPlan plan_of(int effort, Eigen::Index samples) {
   const auto plan = [&]() -> SearchPlan {
     // Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
     const int fewer = static_cast<int>(std::clamp<Eigen::Index>(samples / 160, 1, 5));
-    if (effort <= 1) return {30, 60, 0, 0, false, 1};
+    if (effort <= 1) return {.first_iterations = 20, .iterations = 30, .trials = 0, .prunes = false, .guesses = true};
     if (effort <= 2) return {60, 40, 3 / fewer, 0};
     if (effort <= 3) return {80, 60, 6 / fewer, 0};
     if (effort <= 5) return {100, 70, std::max(2, 7 / fewer), 100};
@@ -35,7 +35,6 @@ SearchPlan plan_of(int effort, Eigen::Index samples) {
 
 SearchPlan excerpt_plan_of(int effort, Eigen::Index turns) {
   const auto plan = [&]() -> SearchPlan {
-    if (effort <= 1) return {40, 30, 3, 30, false, 1};
     if (effort <= 2) return {60, 40, 3, 50};
     if (effort <= 3) return {80, 60, 4, 80};
     return {150, 70, 4, turns > 1 ? 250 : 200};
@@ -47,7 +46,7 @@ SearchPlan excerpt_plan_of(int effort, Eigen::Index turns) {
 
 Eigen::Index excerpt_samples(int effort, Eigen::Index samples) {
   constexpr Eigen::Index shortest = 500, most = 800;
-  return effort > 5 || samples < shortest ? 0 : std::min(most, samples / 3);
+  return effort < 2 || effort > 5 || samples < shortest ? 0 : std::min(most, samples / 3);
 }
 
 std::vector<int> efforts_of(int effort) {
@@ -70,12 +69,15 @@ std::vector<SparseSettings> cuts_of(const SearchContext& context, const Prepared
     const Basis basis = loops && spins ? Basis::sine : Basis::periodic;
     cuts.push_back({.basis = basis, .boundaries = {0, whole - 1}});
   }
-  if (samples >= 8 && context.parts.fitted_windows)
-    cuts.push_back({.basis = Basis::sine,
-                    .boundaries = fitted_windows(clip.layout, clip.steps, clip.jumps, samples > short_samples ? -6 : 1,
-                                                 context.threads)});
+  const bool quick = effort < 2;
+  const auto add_windows = [&](std::vector<std::uint32_t> boundaries) {
+    cuts.push_back({.basis = Basis::sine, .boundaries = std::move(boundaries)});
+  };
+  if (samples >= 8 && context.parts.fitted_windows && !(quick && samples > 200))
+    add_windows(fitted_windows(clip.layout, clip.steps, clip.jumps, samples > short_samples ? -6 : 1, context.threads));
   else if (samples > 200)
-    cuts.push_back({.basis = Basis::sine, .boundaries = even_windows(static_cast<std::size_t>(samples), 128)});
+    for (const std::size_t length : quick ? std::vector<std::size_t>{64, 160} : std::vector<std::size_t>{128})
+      add_windows(even_windows(static_cast<std::size_t>(samples), length));
   for (SparseSettings& cut : cuts) {
     cut.loops = loops;
     cut.jumps = jumps;

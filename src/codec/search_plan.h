@@ -18,6 +18,8 @@ struct SearchPlan {
   double worth_correcting = 1.2;
   int first_exponent = 1;   ///< SparseSettings::step_exponent of the first trainings
   double first_rate = 0.2;  ///< SparseSettings::rate of the first trainings
+  /// Only one cut is trained, at steps that suit the tolerance: which, rounding without training tells.
+  bool guesses = false;
 };
 
 /// For a search on all of a clip.
