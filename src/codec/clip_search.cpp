@@ -16,6 +16,12 @@ namespace {
 
 constexpr int most_at_once = 3;  ///< trials: a move and those that follow it if it fails
 
+/// Steps of the exponent that make a usual error, in units of the tolerance, about one; below zero: coarser.
+int steps_to_tolerance(float usual_error) {
+  constexpr double most = 4;  // octaves
+  return static_cast<int>(std::lround(4 * std::clamp(std::log2(static_cast<double>(usual_error)), -most, most)));
+}
+
 class ClipSearch {
  public:
   /// Makes up to `at_once` trials at once.
@@ -130,13 +136,11 @@ class ClipSearch {
 
   /// A cut without training, at the plan's steps.
   Rounded rounded(SparseSettings cut, Workbench& bench) const {
-    constexpr double most = 4;  // octaves
     cut.step_exponent = plan_.first_exponent;
     cut.rate = plan_.first_rate;
     cut.iterations = 0;
     const Trial trial = train_trial(clip_, cut, nullptr, bench);
-    const double octaves = std::log2(static_cast<double>(usual_error(clip_, trial.levels, bench)));
-    return {trial.bytes, static_cast<int>(std::lround(4 * std::clamp(octaves, -most, most)))};
+    return {trial.bytes, steps_to_tolerance(usual_error(clip_, trial.levels, bench))};
   }
 
   /// A cut's first trial, and one at finer steps where that one's are far too coarse.
@@ -183,7 +187,7 @@ class ClipSearch {
     Trial& first = trials.front();
     finish_trial(clip_, unlimited, plan_.prunes, bench, first);
     if (!first.is_hopeless() || context_.is_late()) return;
-    const int finer = std::clamp(static_cast<int>(std::lround(4 * std::log2(first.usual_error))), 1, most);
+    const int finer = std::clamp(steps_to_tolerance(first.usual_error), 1, most);
     Trial again = make(neighbour(first, finer, 1, plan_.iterations), &first, unlimited, bench);
     trials.push_back(std::move(again));
   }

@@ -12,13 +12,17 @@ namespace {
 /// Longer clips are smallest with coarser steps and dearer bits.
 constexpr Eigen::Index short_samples = 120;
 
+/// Windows, steps and rate are not searched.
+bool is_quick(int effort) { return effort <= 1; }
+
 }  // namespace
 
 SearchPlan plan_of(int effort, Eigen::Index samples) {
   const auto plan = [&]() -> SearchPlan {
     // Long clips have more to learn from in each training and get fewer of them, so that time stays linear.
     const int fewer = static_cast<int>(std::clamp<Eigen::Index>(samples / 160, 1, 5));
-    if (effort <= 1) return {.first_iterations = 20, .iterations = 30, .trials = 0, .prunes = false, .guesses = true};
+    if (is_quick(effort))
+      return {.first_iterations = 20, .iterations = 30, .trials = 0, .prunes = false, .guesses = true};
     if (effort <= 2) return {60, 40, 3 / fewer, 0};
     if (effort <= 3) return {80, 60, 6 / fewer, 0};
     if (effort <= 5) return {100, 70, std::max(2, 7 / fewer), 100};
@@ -46,7 +50,7 @@ SearchPlan excerpt_plan_of(int effort, Eigen::Index turns) {
 
 Eigen::Index excerpt_samples(int effort, Eigen::Index samples) {
   constexpr Eigen::Index shortest = 500, most = 800;
-  return effort < 2 || effort > 5 || samples < shortest ? 0 : std::min(most, samples / 3);
+  return is_quick(effort) || effort > 5 || samples < shortest ? 0 : std::min(most, samples / 3);
 }
 
 std::vector<int> efforts_of(int effort) {
@@ -69,7 +73,7 @@ std::vector<SparseSettings> cuts_of(const SearchContext& context, const Prepared
     const Basis basis = loops && spins ? Basis::sine : Basis::periodic;
     cuts.push_back({.basis = basis, .boundaries = {0, whole - 1}});
   }
-  const bool quick = effort < 2;
+  const bool quick = is_quick(effort);
   const auto add_windows = [&](std::vector<std::uint32_t> boundaries) {
     cuts.push_back({.basis = Basis::sine, .boundaries = std::move(boundaries)});
   };
