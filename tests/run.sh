@@ -28,6 +28,8 @@ echo "== node packages of the tests"
 (cd tests && npm ci --no-audit --no-fund --loglevel=error)
 
 passed=0 failed=0 skipped=0
+# One line for each test that failed, printed before the summary: what they said is far above it.
+failures=()
 
 # run_cpp_tests PRESET FOLDER [CTEST OPTION...]: GoogleTest through CTest: one line per test, "***Skipped" for those that skipped, "***<reason>" for those that failed.
 run_cpp_tests() {
@@ -36,12 +38,16 @@ run_cpp_tests() {
   local -a options=(--test-dir "$2" --output-on-failure --no-tests=error -j "$(nproc)" "${@:3}")
   [ -z "$filter" ] || options+=(-R "$filter")
   ctest "${options[@]}" 2>&1 | tee "$log" || true
-  local ran skipped_here not_passed
+  local ran skipped_here not_passed line
   ran=$(grep -cE '^ *[0-9]+/[0-9]+ Test +#' "$log" || true)
   skipped_here=$(grep -cE '^ *[0-9]+/[0-9]+ Test +#.*\*\*\*Skipped' "$log" || true)
-  not_passed=$(grep -E '^ *[0-9]+/[0-9]+ Test +#' "$log" | grep -vE '\*\*\*Skipped' | grep -cE '\*\*\*| Not Run ' || true)
+  not_passed=0
+  while IFS= read -r line; do
+    not_passed=$((not_passed + 1))
+    failures+=("$1: $line")
+  done < <(grep -E '^ *[0-9]+/[0-9]+ Test +#' "$log" | grep -vE '\*\*\*Skipped' | grep -E '\*\*\*| Not Run ' || true)
   if [ "$ran" -eq 0 ]; then
-    echo "ctest ran no test" >&2
+    failures+=("$1: ctest ran no test")
     not_passed=1 ran=1
   fi
   passed=$((passed + ran - skipped_here - not_passed))
@@ -58,10 +64,14 @@ run_node_tests() {
   local code=0
   (cd "$folder" && node --test --test-reporter=tap) 2>&1 | tee "$log" || code=$?
   count() { sed -n "s/^# $1 \([0-9]*\)$/\1/p" "$log" | tail -1; }
-  local pass fail skip cancelled
+  local pass fail skip cancelled line
   pass=$(count pass) fail=$(count fail) skip=$(count skipped) cancelled=$(count cancelled)
   fail=$((${fail:-0} + ${cancelled:-0}))
-  if [ "$code" -ne 0 ] && [ "$fail" -eq 0 ]; then fail=1; fi
+  while IFS= read -r line; do failures+=("$folder: $line"); done < <(grep -E '^ *not ok ' "$log" || true)
+  if [ "$code" -ne 0 ] && [ "$fail" -eq 0 ]; then
+    fail=1
+    failures+=("$folder: node ended with $code")
+  fi
   passed=$((passed + ${pass:-0}))
   failed=$((failed + fail))
   skipped=$((skipped + ${skip:-0}))
@@ -75,8 +85,10 @@ run_fuzzers() {
   if [[ "$(tail -1 "$log")" =~ ^([0-9]+)\ passed,\ ([0-9]+)\ failed$ ]]; then
     passed=$((passed + BASH_REMATCH[1]))
     failed=$((failed + BASH_REMATCH[2]))
+    [ "${BASH_REMATCH[2]}" -eq 0 ] || failures+=("fuzzers: see build-debug/fuzz.log")
   else
     failed=$((failed + 1))
+    failures+=("fuzzers: ended early, see build-debug/fuzz.log")
   fi
 }
 
@@ -104,6 +116,7 @@ if [ -z "$filter" ]; then
   NMC_TOOL=build/gltf-nmc run_node_tests tests/js
 fi
 
+[ "${#failures[@]}" -eq 0 ] || printf 'FAILED: %s\n' "${failures[@]}"
 if [ "$skipped" -gt 0 ]; then
   echo "$passed passed, $failed failed, $skipped skipped"
 else
