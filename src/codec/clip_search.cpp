@@ -123,6 +123,7 @@ class ClipSearch {
     plan_.first_exponent += rounded(cuts.front(), bench()).finer;
     std::vector<Rounded> all(cuts.size());
     at_once(cuts.size(), [&](std::size_t k, Workbench& bench) { all[k] = rounded(cuts[k], bench); });
+    for (const Rounded& one : all) note(one.seen);
     const auto least =
         std::min_element(all.begin(), all.end(), [](const Rounded& a, const Rounded& b) { return a.bytes < b.bytes; });
     plan_.first_exponent += least->finer;
@@ -132,6 +133,7 @@ class ClipSearch {
   struct Rounded {
     std::size_t bytes;
     int finer;  ///< steps of the exponent until the usual error is the tolerance
+    std::vector<Candidate> seen;
   };
 
   /// A cut without training, at the plan's steps.
@@ -139,8 +141,8 @@ class ClipSearch {
     cut.step_exponent = plan_.first_exponent;
     cut.rate = plan_.first_rate;
     cut.iterations = 0;
-    const Trial trial = train_trial(clip_, cut, nullptr, bench);
-    return {trial.bytes, steps_to_tolerance(usual_error(clip_, trial.levels, bench))};
+    Trial trial = train_trial(clip_, cut, nullptr, bench);
+    return {trial.bytes, steps_to_tolerance(usual_error(clip_, trial.levels, bench)), std::move(trial.seen)};
   }
 
   /// A cut's first trial, and one at finer steps where that one's are far too coarse.
@@ -284,10 +286,14 @@ class ClipSearch {
 
   /// Keeps what the trial is made of if it is the smallest, and what is recorded of it.
   void take(const Trial& trial) {
-    if (tried_) tried_->insert(tried_->end(), trial.seen.begin(), trial.seen.end());
+    note(trial.seen);
     if (!trial.kept || trial.bytes >= best_bytes_) return;
     best_bytes_ = trial.bytes;
     best_ = trial.levels;
+  }
+
+  void note(const std::vector<Candidate>& seen) {
+    if (tried_) tried_->insert(tried_->end(), seen.begin(), seen.end());
   }
 
   const SearchContext& context_;
