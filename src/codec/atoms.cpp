@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "codec/features.h"
@@ -10,18 +12,10 @@
 namespace nmc::codec {
 namespace {
 
-using Lists = std::vector<std::vector<LevelAtom>>;
-
 double bits(const std::vector<LevelAtom>& atoms) {
   double sum = 0;
   for (const LevelAtom& atom : atoms) sum += 12 + 2 * std::log2(std::abs(static_cast<double>(atom.level)));
   return sum;
-}
-
-std::vector<LevelAtom> joined(const Lists& lists) {
-  std::vector<LevelAtom> all;
-  for (const std::vector<LevelAtom>& list : lists) all.insert(all.end(), list.begin(), list.end());
-  return all;
 }
 
 /// A jump of `height` within its window: what the line between the anchors does not have.
@@ -38,6 +32,19 @@ void add_jump_values(const LevelAtom& jump, const LevelClip& clip, double height
         height * ((first + m >= static_cast<Eigen::Index>(jump.sample) ? 1 : 0) - shares(1, m));
 }
 
+/// As few of the first lists as are enough, as far as halving tells; all where all are not enough.
+std::vector<std::vector<LevelAtom>> first_lists(std::vector<std::vector<LevelAtom>> lists, const Excess& excess) {
+  const auto first = [&](std::size_t count) {
+    return std::vector<std::vector<LevelAtom>>(lists.begin(), lists.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  std::size_t too_few = 0, enough = lists.size();
+  while (enough - too_few > 1) {
+    const std::size_t middle = (too_few + enough) / 2;
+    (excess(joined(first(middle))) > 0 ? too_few : enough) = middle;
+  }
+  return first(enough);
+}
+
 }  // namespace
 
 void put_atom(const LevelAtom& atom, std::vector<LevelAtom>& atoms) {
@@ -48,6 +55,25 @@ void put_atom(const LevelAtom& atom, std::vector<LevelAtom>& atoms) {
     atoms.push_back(atom);
   else
     same->level += atom.level;
+}
+
+void put_atoms(const std::vector<LevelAtom>& added, std::vector<LevelAtom>& atoms) {
+  const auto key = [](const LevelAtom& atom) { return std::tuple(atom.sample, atom.parameter, atom.width); };
+  std::map<decltype(key(LevelAtom{})), std::size_t> places;
+  for (std::size_t k = 0; k < atoms.size(); ++k) places.emplace(key(atoms[k]), k);
+  for (const LevelAtom& atom : added) {
+    const auto [place, is_new] = places.emplace(key(atom), atoms.size());
+    if (is_new)
+      atoms.push_back(atom);
+    else
+      atoms[place->second].level += atom.level;
+  }
+}
+
+std::vector<LevelAtom> joined(const std::vector<std::vector<LevelAtom>>& lists) {
+  std::vector<LevelAtom> all;
+  for (const std::vector<LevelAtom>& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
 }
 
 void tidy_atoms(std::vector<LevelAtom>& atoms) {
@@ -87,8 +113,8 @@ std::vector<std::vector<LevelAtom>> missing_by_target(const ClipLayout& layout, 
   return lists;
 }
 
-std::optional<std::vector<LevelAtom>> few_atoms(const std::vector<std::vector<LevelAtom>>& lists,
-                                                const std::function<double(const std::vector<LevelAtom>&)>& excess) {
+std::optional<std::vector<LevelAtom>> few_atoms(const std::vector<std::vector<LevelAtom>>& lists, const Excess& excess,
+                                                int& tries) {
   constexpr int most = 5;
   std::vector<LevelAtom> chosen;
   double now = excess(chosen);
@@ -96,6 +122,7 @@ std::optional<std::vector<LevelAtom>> few_atoms(const std::vector<std::vector<Le
     std::vector<LevelAtom> best;
     for (const std::vector<LevelAtom>& list : lists) {
       if (now <= 0) break;
+      if (tries-- <= 0) return {};
       std::vector<LevelAtom> with = joined({chosen, list});
       if (const double then = excess(with); then < now) {
         now = then;
@@ -108,12 +135,13 @@ std::optional<std::vector<LevelAtom>> few_atoms(const std::vector<std::vector<Le
   return now > 0 ? std::nullopt : std::optional(chosen);
 }
 
-std::vector<LevelAtom> needed_atoms(std::vector<std::vector<LevelAtom>> lists,
-                                    const std::function<double(const std::vector<LevelAtom>&)>& excess) {
-  if (const std::optional<std::vector<LevelAtom>> few = few_atoms(lists, excess)) return *few;
+std::vector<LevelAtom> needed_atoms(std::vector<std::vector<LevelAtom>> lists, const Excess& excess, int& tries) {
+  if (const std::optional<std::vector<LevelAtom>> few = few_atoms(lists, excess, tries)) return *few;
+  if (tries <= 0) return joined(first_lists(std::move(lists), excess));
   std::stable_sort(lists.begin(), lists.end(), [](const auto& a, const auto& b) { return bits(a) > bits(b); });
   if (excess(joined(lists)) > 0) return joined(lists);
   for (std::vector<LevelAtom>& list : lists) {
+    if (tries-- <= 0) break;
     const std::vector<LevelAtom> kept = std::exchange(list, {});
     if (excess(joined(lists)) > 0) list = kept;
   }

@@ -28,11 +28,15 @@ enum class Mending {
   true_poses  ///< true values alone: tips at one pair of samples may undo those at the next one
 };
 
+/// Looks at what single steps or targets do to the errors of a pair that are always enough.
+inline constexpr int most_tries = 600;
+
 /// Corrects samples n - 1 and n, so that the errors there and at `seconds` between them are within `bound` (world
 /// units): tips, or brings as few targets as are needed to their true values; where rounding stands in the way of
-/// these, goes a few steps from them. What is corrected is put into `atoms`; `values` (all parameters x samples), of
-/// which no other samples are looked at, follow. False where an error is still above the bound.
-bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Mending mending,
+/// these, goes a few steps from them; of either no more than `tries` are looked at, and where that is not enough
+/// all targets are brought to their true values. What is corrected is put into `atoms`; `values` (all parameters
+/// x samples), of which no other samples are looked at, follow. False where an error is still above the bound.
+bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Mending mending, int tries,
                   Eigen::MatrixXd& values, std::vector<LevelAtom>& atoms);
 
 }  // namespace nmc::codec

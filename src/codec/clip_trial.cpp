@@ -154,8 +154,7 @@ class TrialWork {
     const Eigen::Index samples = prepared_.layout.values.cols();
     const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, samples);
     for (const Eigen::Index end : {Eigen::Index{0}, samples - 1})
-      for (const std::vector<LevelAtom>& atoms : missing_by_target(prepared_.layout, prepared_.steps, end, 1, values))
-        for (const LevelAtom& atom : atoms) put_atom(atom, levels.atoms);
+      put_atoms(joined(missing_by_target(prepared_.layout, prepared_.steps, end, 1, values)), levels.atoms);
     tidy_atoms(levels.atoms);
   }
 
@@ -209,13 +208,13 @@ class TrialWork {
     Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
     const BetweenInput input{clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter};
     std::vector<std::vector<LevelAtom>> atoms(runs.size());
+    const int tries = tries_of_each(runs);
     parallel_for(runs.size(), threads(), [&](std::size_t r) {
       for (const Flip& flip : runs[r])
-        if (mend_between(input, flip.next, profile.seconds[flip.time], goal(), mending, values, atoms[r]))
+        if (mend_between(input, flip.next, profile.seconds[flip.time], goal(), mending, tries, values, atoms[r]))
           profile.max_error[flip.time] = 0;
     });
-    for (const std::vector<LevelAtom>& some : atoms)
-      for (const LevelAtom& atom : some) put_atom(atom, levels.atoms);
+    put_atoms(joined(atoms), levels.atoms);
     tidy_atoms(levels.atoms);
   }
 
@@ -223,6 +222,15 @@ class TrialWork {
     std::size_t time;   ///< of the profile
     Eigen::Index next;  ///< sample at or after it
   };
+
+  /// How much is tried for each flip, so that all of them take no longer than measuring the clip a few times.
+  int tries_of_each(const std::vector<std::vector<Flip>>& runs) const {
+    constexpr int always = 1000, a_sample = 4;
+    std::size_t flips = 0;
+    for (const std::vector<Flip>& run : runs) flips += run.size();
+    const std::size_t all = always + a_sample * clip_.clip.times.size();
+    return static_cast<int>(std::min<std::size_t>(most_tries, all / flips));
+  }
 
   /// Times whose error is `far` times the bound or more; those that share a sample are in one run.
   std::vector<std::vector<Flip>> flips(const motion::ErrorProfile& profile, double far) const {

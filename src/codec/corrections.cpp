@@ -516,9 +516,10 @@ class Corrections::Corrector {
   bool restore_sample(Eigen::Index n) {
     if (++restored_[static_cast<std::size_t>(n)] > most_restorations) return false;
     take_back(n);
-    const std::vector<LevelAtom> atoms =
-        needed_atoms(missing_by_target(layout_, steps_, n, 1, values_),
-                     [&](const std::vector<LevelAtom>& some) { return sample_excess(exact_error(n, some).matrix()); });
+    int tries = 400;
+    const std::vector<LevelAtom> atoms = needed_atoms(
+        missing_by_target(layout_, steps_, n, 1, values_),
+        [&](const std::vector<LevelAtom>& some) { return sample_excess(exact_error(n, some).matrix()); }, tries);
     for (const LevelAtom& atom : atoms) put(atom);
     errors_of(n) = exact_error(n, {}).col(0).transpose();
     measure(BlockRange::of(n, 1));

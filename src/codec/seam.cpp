@@ -34,7 +34,7 @@ void mirror_atoms(LevelClip& clip, Eigen::Index last, const Eigen::VectorXd& sig
     }
     changes.push_back(image);
   }
-  for (const LevelAtom& change : changes) put_atom(change, clip.atoms);
+  put_atoms(changes, clip.atoms);
 }
 
 /// What atoms add to each parameter at a sample, in their steps.
@@ -57,9 +57,11 @@ void close_seam(LevelClip& clip, const Eigen::VectorXd& signs, Eigen::Index samp
   const Eigen::VectorXd change =
       first_leads ? signs.cwiseProduct(at_first) - at_last : signs.cwiseProduct(at_last) - at_first;
   const auto follower = static_cast<std::uint32_t>(first_leads ? last : 0);
+  std::vector<LevelAtom> closing;
   for (Eigen::Index i = 0; i < change.size(); ++i)
     if (const auto level = static_cast<std::int32_t>(std::lround(change(i))); level != 0)
-      put_atom({follower, static_cast<int>(i), 0, level}, clip.atoms);
+      closing.push_back({follower, static_cast<int>(i), 0, level});
+  put_atoms(closing, clip.atoms);
   tidy_atoms(clip.atoms);
 }
 

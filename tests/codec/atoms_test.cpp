@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "codec/between.h"
 
@@ -24,6 +26,20 @@ TEST(Atoms, OfOnePlaceAreOne) {
   ASSERT_EQ(atoms.size(), 4u);
   EXPECT_EQ(atoms[0].level, -1);
   EXPECT_EQ(atoms[1].level, 5);
+}
+
+TEST(Atoms, OfManyPlacesAreJoinedAsOneByOne) {
+  const std::vector<LevelAtom> added{atom(1, 3), atom(2, 5), atom(1, -4), atom(3, 2, 1), atom(1, 7, 4, 2), atom(2, 1)};
+  std::vector<LevelAtom> one_by_one{atom(2, 9), atom(5, 1, 7)}, together = one_by_one;
+  for (const LevelAtom& one : added) put_atom(one, one_by_one);
+  put_atoms(added, together);
+  ASSERT_EQ(together.size(), one_by_one.size());
+  for (std::size_t k = 0; k < together.size(); ++k) {
+    EXPECT_EQ(together[k].parameter, one_by_one[k].parameter);
+    EXPECT_EQ(together[k].sample, one_by_one[k].sample);
+    EXPECT_EQ(together[k].width, one_by_one[k].width);
+    EXPECT_EQ(together[k].level, one_by_one[k].level);
+  }
 }
 
 TEST(Atoms, FallLikeARaisedCosineToTheirHalfWidth) {
@@ -73,15 +89,20 @@ double sum_of_levels(const std::vector<LevelAtom>& atoms) {
   return sum;
 }
 
+std::vector<LevelAtom> needed_of(std::vector<std::vector<LevelAtom>> lists, const Excess& excess) {
+  int tries = 1000;
+  return needed_atoms(std::move(lists), excess, tries);
+}
+
 TEST(NeededAtoms, AreTheOneThatIsEnough) {
   const auto excess = [](const std::vector<LevelAtom>& atoms) { return std::max(0.0, 10 - sum_of_levels(atoms)); };
-  const std::vector<LevelAtom> needed = needed_atoms({{atom(0, 4)}, {atom(1, 11)}, {atom(2, 9)}}, excess);
+  const std::vector<LevelAtom> needed = needed_of({{atom(0, 4)}, {atom(1, 11)}, {atom(2, 9)}}, excess);
   ASSERT_EQ(needed.size(), 1u);
   EXPECT_EQ(needed[0].parameter, 1);
 }
 
 TEST(NeededAtoms, AreNoneWhereNothingIsWrong) {
-  EXPECT_TRUE(needed_atoms({{atom(0, 4)}}, [](const auto&) { return 0.0; }).empty());
+  EXPECT_TRUE(needed_of({{atom(0, 4)}}, [](const auto&) { return 0.0; }).empty());
 }
 
 TEST(NeededAtoms, LeaveOutWhatDoesNotHelpWhereOnlyTwoTogetherDo) {
@@ -91,13 +112,37 @@ TEST(NeededAtoms, LeaveOutWhatDoesNotHelpWhereOnlyTwoTogetherDo) {
     for (const LevelAtom& one : atoms) right += one.parameter == 1 || one.parameter == 3;
     return right == 2 ? 0.0 : 1.0 + right;
   };
-  const std::vector<LevelAtom> needed = needed_atoms({{atom(0, 1)}, {atom(1, 1)}, {atom(2, 50)}, {atom(3, 9)}}, excess);
+  const std::vector<LevelAtom> needed = needed_of({{atom(0, 1)}, {atom(1, 1)}, {atom(2, 50)}, {atom(3, 9)}}, excess);
   ASSERT_EQ(needed.size(), 2u);
   EXPECT_EQ(needed[0].parameter + needed[1].parameter, 4);
 }
 
 TEST(NeededAtoms, AreAllWhereAllAreNotEnough) {
-  EXPECT_EQ(needed_atoms({{atom(0, 1)}, {atom(1, 1)}}, [](const auto&) { return 1.0; }).size(), 2u);
+  EXPECT_EQ(needed_of({{atom(0, 1)}, {atom(1, 1)}}, [](const auto&) { return 1.0; }).size(), 2u);
+}
+
+TEST(NeededAtoms, WithFewTriesAreTheFirstOnesThatAreEnough) {
+  std::vector<std::vector<LevelAtom>> lists;
+  for (int k = 0; k < 1000; ++k) lists.push_back({atom(k, 1)});
+  int looks = 0, tries = 20;
+  const std::vector<LevelAtom> needed = needed_atoms(
+      lists,
+      [&](const std::vector<LevelAtom>& atoms) {
+        ++looks;
+        return std::any_of(atoms.begin(), atoms.end(), [](const LevelAtom& one) { return one.parameter == 700; }) ? 0.0
+                                                                                                                  : 1.0;
+      },
+      tries);
+  EXPECT_EQ(needed.size(), 701u);
+  EXPECT_LE(looks, 20 + 1 + 10);  // those tried, none of them, and halving 1,000
+  EXPECT_LE(tries, 0);
+}
+
+TEST(NeededAtoms, LeaveTheTriesThatTheyDoNotTake) {
+  int tries = 10;
+  needed_atoms(
+      {{atom(0, 1)}, {atom(1, 1)}}, [](const auto& atoms) { return atoms.empty() ? 1.0 : 0.0; }, tries);
+  EXPECT_EQ(tries, 9);
 }
 
 /// Two joints side by side below a root; the first turns by nearly half a turn from one key to the next.
@@ -155,7 +200,7 @@ TEST(MendBetween, SetsRightTheJointThatTurnsTheOtherWay) {
   ASSERT_GT(error_between(), 1.0);
   LevelClip levels;
   mend_between({flipping.source, flipping.frame, flipping.layout, flipping.steps, meter}, 2, 0.15, 0.03,
-               Mending::true_poses, values, levels.atoms);
+               Mending::true_poses, most_tries, values, levels.atoms);
   EXPECT_LT(error_between(), 0.03);
   ASSERT_FALSE(levels.atoms.empty());
   for (const LevelAtom& one : levels.atoms) {
@@ -180,11 +225,11 @@ TEST(MendBetween, TipsAHalfTurnThatRoundingSendsTheOtherWay) {
   ASSERT_GT(error_at(0.15), 1.0);
   LevelClip levels;
   const BetweenInput input{flipping.source, flipping.frame, flipping.layout, flipping.steps, meter};
-  EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, Mending::true_poses, values, levels.atoms));
+  EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, Mending::true_poses, most_tries, values, levels.atoms));
   for (const double seconds : {0.1, 0.15, 0.2}) EXPECT_LT(error_at(seconds), 0.03);
   EXPECT_EQ(levels.atoms.size(), 1u);
   // A bound below what rounding leaves is out of reach, and is not said to be kept.
-  EXPECT_FALSE(mend_between(input, 2, 0.15, 1e-6, Mending::true_poses, values, levels.atoms));
+  EXPECT_FALSE(mend_between(input, 2, 0.15, 1e-6, Mending::true_poses, most_tries, values, levels.atoms));
 }
 
 TEST(MendBetween, TipsWithOneAtomWhatItsTruePoseTakesMoreFor) {
@@ -197,7 +242,7 @@ TEST(MendBetween, TipsWithOneAtomWhatItsTruePoseTakesMoreFor) {
     Eigen::MatrixXd values = flipping.layout.values;
     values.col(2).array() += 0.01;
     LevelClip levels;
-    EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, mending, values, levels.atoms));
+    EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, mending, most_tries, values, levels.atoms));
     const Animation made =
         with_kept(flipping.source, clip_of_parameters(flipping.source.clip, flipping.frame, flipping.layout, values));
     for (const double seconds : {0.1, 0.15, 0.2})
@@ -206,6 +251,21 @@ TEST(MendBetween, TipsWithOneAtomWhatItsTruePoseTakesMoreFor) {
   }
   EXPECT_EQ(atoms[0], 1u);
   EXPECT_GT(atoms[1], 1u);
+}
+
+TEST(MendBetween, TipsEveryHalfTurnEvenWithoutTries) {
+  const Flipping flipping;
+  const motion::ErrorMeter meter(flipping.skeleton, flipping.points);
+  Eigen::MatrixXd values = flipping.layout.values;
+  values.col(2).head(3).array() += 0.01;
+  LevelClip levels;
+  const BetweenInput input{flipping.source, flipping.frame, flipping.layout, flipping.steps, meter};
+  EXPECT_TRUE(mend_between(input, 2, 0.15, 0.03, Mending::tips, 0, values, levels.atoms));
+  EXPECT_EQ(levels.atoms.size(), 1u);
+  const Animation made =
+      with_kept(flipping.source, clip_of_parameters(flipping.source.clip, flipping.frame, flipping.layout, values));
+  for (const double seconds : {0.1, 0.15, 0.2})
+    EXPECT_LT(meter.error_at(flipping.source.original, made, seconds), 0.03);
 }
 
 }  // namespace

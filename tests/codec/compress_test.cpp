@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
+#include <random>
+#include <set>
 #include <string>
 
 #include "base/error.h"
@@ -191,6 +194,46 @@ TEST(Compress, AJumpCostsFewBytes) {
   const std::size_t none = bytes_of(0, 1);
   // The same height reached in eight frames is no jump, and has to be drawn.
   EXPECT_LE(8 * (bytes_of(5, 1) - none), bytes_of(5, 8) - none);
+}
+
+/// A tree of joints, each of which turns anywhere from key to key.
+Document wild_rotations(int joints, std::size_t frames) {
+  gltf::Json json = {{"asset", {{"version", "2.0"}}}, {"scenes", {{{"nodes", {0}}}}}};
+  gltf::Bytes bin;
+  std::vector<float> times;
+  for (std::size_t n = 0; n < frames; ++n) times.push_back(static_cast<float>(n) / 30);
+  const std::size_t input = add_accessor(json, bin, times, 5126, "SCALAR", 1);
+  gltf::Json channels = gltf::Json::array(), samplers = gltf::Json::array();
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> number(-1, 1);
+  for (int joint = 0; joint < joints; ++joint) {
+    json["nodes"].push_back({{"translation", {0, 0.1, 0}}});
+    if (joint > 0) json["nodes"][static_cast<std::size_t>((joint - 1) / 2)]["children"].push_back(joint);
+    std::vector<float> rotations;
+    for (std::size_t n = 0; n < frames; ++n) {
+      const glm::vec4 q = glm::normalize(glm::vec4(number(random), number(random), number(random), number(random)));
+      rotations.insert(rotations.end(), {q.x, q.y, q.z, q.w});
+    }
+    channels.push_back({{"sampler", joint}, {"target", {{"node", joint}, {"path", "rotation"}}}});
+    samplers.push_back({{"input", input}, {"output", add_accessor(json, bin, rotations, 5126, "VEC4", 4)}});
+  }
+  json["animations"] = {{{"channels", channels}, {"samplers", samplers}}};
+  json["buffers"] = {{{"byteLength", bin.size()}}};
+  Document document;
+  document.name = "wild.glb";
+  document.is_glb = true;
+  document.json = json;
+  document.buffers = {bin};
+  document.has_data = {true};
+  return gltf::parse_document(gltf::to_glb(document), "wild.glb", {});
+}
+
+TEST(Compress, RotationsThatTurnAnywhereKeepTheToleranceAndShrink) {
+  const Document original = wild_rotations(40, 60);
+  const CompressResult result = codec::compress(original, quick(0.005));
+  ASSERT_EQ(result.clips[0].outcome, Outcome::compressed);
+  EXPECT_LE(errors_of(original, codec::expand(result.document))[0].max, result.tolerance);
+  EXPECT_LT(gltf::read_compression(result.document).clip_sets.at(0).stream.size(), 40u * 60 * 4 * 4 / 3);
 }
 
 constexpr std::size_t loop_frames = 61;
@@ -404,6 +447,17 @@ TEST(Compress, TheRecordOfALongClipHasWhatWasTriedOnItsExcerptInProportion) {
     EXPECT_GT(one.bytes, chosen->bytes / 2) << one.basis;
     EXPECT_LT(one.bytes, chosen->bytes * 2) << one.basis;
   }
+}
+
+TEST(Compress, TheRecordOfTheQuickEffortHasTheCutsThatWereNotTrained) {
+  CompressOptions options = quick(0.001);
+  options.record_candidates = true;
+  const CompressResult result = codec::compress(tiny(), options);
+  const std::vector<codec::Candidate>& tried = result.clips.at(0).candidates;
+  std::set<std::string> bases;
+  for (const codec::Candidate& one : tried) bases.insert(one.basis);
+  EXPECT_GE(bases.size(), 2U);
+  EXPECT_EQ(std::count_if(tried.begin(), tried.end(), [](const codec::Candidate& one) { return one.chosen; }), 1);
 }
 
 TEST(Compress, CompressingTwiceIsRefused) {
