@@ -84,27 +84,38 @@ Tips tips_of(const BetweenInput& input, Eigen::Index n, const Eigen::MatrixXd& p
   return tips;
 }
 
-/// Per parameter how far its rotation, a share of the way between the samples of a pair (all parameters x 2), is from
-/// the true one; 0 for what is no rotation.
-std::vector<double> errors_between(const BetweenInput& input, Eigen::Index n, double share,
-                                   const Eigen::MatrixXd& pair) {
+/// How far a rotation, a share of the way between the samples of a pair (all parameters x 2), is from the true one.
+double error_between(const LayoutBlock& block, double share, const Eigen::MatrixXd& pair,
+                     const Eigen::MatrixXd& true_pair) {
+  const std::array<glm::dquat, 2> made = rotations(block, pair), meant = rotations(block, true_pair);
+  return 1 - std::abs(glm::dot(glm::slerp(made[0], made[1], share), glm::slerp(meant[0], meant[1], share)));
+}
+
+/// What each target lacks at samples n - 1 and n; first the rotations that are furthest off at a time between them.
+std::vector<std::vector<LevelAtom>> missing_worst_first(const BetweenInput& input, Eigen::Index n, double seconds,
+                                                        const Eigen::MatrixXd& values) {
+  const std::vector<float>& times = input.clip.clip.times;
+  const auto at = static_cast<std::size_t>(n);
+  const double share = (seconds - times[at - 1]) / (times[at] - times[at - 1]);
+  const Eigen::MatrixXd pair = values.middleCols(n - 1, 2), true_pair = input.layout.values.middleCols(n - 1, 2);
   std::vector<double> errors(input.layout.parameters.size());
-  for (const LayoutBlock& block : input.layout.blocks) {
-    if (!is_moving_rotation(input, block)) continue;
-    const std::array<glm::dquat, 2> made = rotations(block, pair);
-    const std::array<glm::dquat, 2> meant = rotations(block, input.layout.values.middleCols(n - 1, 2));
-    const double cosine =
-        std::abs(glm::dot(glm::slerp(made[0], made[1], share), glm::slerp(meant[0], meant[1], share)));
-    std::fill_n(errors.begin() + block.block.first, block.block.width, 1 - cosine);
-  }
-  return errors;
+  for (const LayoutBlock& block : input.layout.blocks)
+    if (is_moving_rotation(input, block))
+      std::fill_n(errors.begin() + block.block.first, block.block.width, error_between(block, share, pair, true_pair));
+  const auto error_of = [&](const std::vector<LevelAtom>& atoms) {
+    return errors[static_cast<std::size_t>(atoms.front().parameter)];
+  };
+  std::vector<std::vector<LevelAtom>> missing = missing_by_target(input.layout, input.steps, n - 1, 2, values);
+  std::stable_sort(missing.begin(), missing.end(),
+                   [&](const auto& a, const auto& b) { return error_of(a) > error_of(b); });
+  return missing;
 }
 
 }  // namespace
 
 bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, double bound, Mending mending, int tries,
                   Eigen::MatrixXd& values, std::vector<LevelAtom>& atoms) {
-  const auto pair = values.middleCols(n - 1, 2);
+  Eigen::Ref<Eigen::MatrixXd> pair = values.middleCols(n - 1, 2);
   const auto excess = [&](const std::vector<LevelAtom>& added) {
     Eigen::MatrixXd with = pair;
     add_atoms(input, n, added, with);
@@ -126,15 +137,7 @@ bool mend_between(const BetweenInput& input, Eigen::Index n, double seconds, dou
   };
   // Most often a turn of about half a circle goes the other way, and little tips it back.
   if (mending == Mending::tips && tip(tries)) return true;
-  const std::vector<float>& times = input.clip.clip.times;
-  const auto at = static_cast<std::size_t>(n);
-  const std::vector<double> far =
-      errors_between(input, n, (seconds - times[at - 1]) / (times[at] - times[at - 1]), pair);
-  std::vector<std::vector<LevelAtom>> missing = missing_by_target(input.layout, input.steps, n - 1, 2, values);
-  std::stable_sort(missing.begin(), missing.end(), [&](const auto& a, const auto& b) {
-    return far[static_cast<std::size_t>(a.front().parameter)] > far[static_cast<std::size_t>(b.front().parameter)];
-  });
-  put(needed_atoms(std::move(missing), excess, tries));
+  put(needed_atoms(missing_worst_first(input, n, seconds, values), excess, tries));
   // Within rounding of half a turn even the true values, rounded, may go the other way.
   return excess({}) <= 0 || tip(most_tries);
 }
