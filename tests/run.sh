@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # tests/run.sh [--sanitize] [--filter REGEX]
-# Builds gltf-nmc and runs all its tests. The last line is "N passed, N failed[, N skipped]"; the exit code is 0 when none failed.
+# Builds gltf-nmc and runs all its tests. At the end a line for each that failed; the last line is "N passed, N failed[, N skipped]"; the exit code is 0 when none failed.
 #   --sanitize       the C++ tests with Clang, AddressSanitizer and UndefinedBehaviorSanitizer, warnings as errors (build-debug/), and the fuzzers;
 #                    of the optimised build the programs, the tests in JavaScript, and those in C++ that sanitizers make too slow
 #   --filter REGEX   only the C++ tests whose names match
