@@ -106,7 +106,7 @@ class TrialWork {
 
   /// Per sample the largest squared error.
   SampleRow square_errors(const LevelClip& levels) const {
-    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols(), threads());
     const Rows error = map().positions(values, threads()) - prepared_.wanted;
     SampleRow largest = SampleRow::Zero(error.cols());
     for (Eigen::Index q = 0; q < map().seen_count(); ++q)
@@ -152,7 +152,7 @@ class TrialWork {
   /// Atoms that make the first and the last pose what they were.
   void restore_ends(LevelClip& levels) const {
     const Eigen::Index samples = prepared_.layout.values.cols();
-    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, samples);
+    const Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, samples, threads());
     for (const Eigen::Index end : {Eigen::Index{0}, samples - 1})
       put_atoms(joined(missing_by_target(prepared_.layout, prepared_.steps, end, 1, values)), levels.atoms);
     tidy_atoms(levels.atoms);
@@ -172,7 +172,7 @@ class TrialWork {
 
   /// Only times beside samples whose values have changed are looked at again.
   void measure(const LevelClip& levels, Measured& measured) const {
-    Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols(), threads());
     const Animation decoded =
         with_kept(clip_, clip_of_parameters(clip_.clip, context_.frame, prepared_.layout, values));
     if (measured.values.size() == 0) {
@@ -205,7 +205,7 @@ class TrialWork {
   void mend_flips(motion::ErrorProfile& profile, double far, Mending mending, LevelClip& levels) const {
     const std::vector<std::vector<Flip>> runs = flips(profile, far);
     if (runs.empty()) return;
-    Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols());
+    Eigen::MatrixXd values = values_of_levels(levels, prepared_.steps, prepared_.layout.values.cols(), threads());
     const BetweenInput input{clip_, context_.frame, prepared_.layout, prepared_.steps, context_.meter};
     std::vector<std::vector<LevelAtom>> atoms(runs.size());
     const int tries = tries_of_each(runs);

@@ -109,7 +109,7 @@ class Corrections::Corrector {
 
   /// What the levels mean and the errors that this leaves, where it is not known.
   void look_again() {
-    Eigen::MatrixXd values = values_of_levels(*clip_, steps_, samples_);
+    Eigen::MatrixXd values = values_of_levels(*clip_, steps_, samples_, threads_);
     for (Eigen::Index block = 0; block < blocks_; ++block) {
       const auto columns = Eigen::seqN(block * lanes, samples_of(block));
       if (values_.size() == 0 || values(Eigen::all, columns) != values_(Eigen::all, columns))

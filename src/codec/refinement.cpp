@@ -98,7 +98,7 @@ class Refiner {
   Eigen::Index parameter(Eigen::Index i) const { return layout_.moving[static_cast<std::size_t>(i)]; }
 
   void start() {
-    Eigen::MatrixXd values = values_of_levels(clip_, steps_, samples_);
+    Eigen::MatrixXd values = values_of_levels(clip_, steps_, samples_, threads_);
     parallel_for(windows_.size(), threads_, [&](std::size_t w) {
       DenseWindow& window = windows_[w];
       Rows error = Rows::Zero(map_.error_rows(), window.blocks.count * lanes);

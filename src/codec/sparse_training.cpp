@@ -473,40 +473,52 @@ std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, 
   return static_cast<std::int32_t>(std::lround(layout.values(parameter, 0) / steps.anchor(parameter)));
 }
 
-Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples) {
+namespace {
+
+/// What anchors and weights of a window mean at its first samples: samples x all parameters.
+Eigen::MatrixXd window_values(const LevelClip& clip, const ParameterSteps& steps, std::size_t w, Eigen::Index samples) {
   constexpr double worth_a_product = 1e8;  // in windows of thousands of samples most weights are not zero
+  const LevelWindow& window = clip.windows[w];
   const Eigen::Index parameters = steps.slot.size();
-  Eigen::MatrixXd values(parameters, samples);
-  for (std::size_t w = 0; w < clip.windows.size(); ++w) {
+  const std::size_t row = clip.basis == Basis::cosine ? 0 : w;
+  const std::size_t next = clip.basis == Basis::cosine ? 0 : w + 1;
+  Eigen::MatrixXd ends(2, parameters);
+  for (Eigen::Index i = 0; i < parameters; ++i) {
+    const auto p = static_cast<std::size_t>(parameters), k = static_cast<std::size_t>(i);
+    ends(0, i) = clip.anchors[row * p + k] * steps.anchor(i);
+    ends(1, i) = clip.anchors[next * p + k] * steps.anchor(i);
+  }
+  Eigen::MatrixXd values = anchor_shares(clip.basis, window.length, samples).transpose() * ends;
+  int most = 0;
+  for (const LevelWeight& weight : window.weights) most = std::max(most, weight.feature);
+  if (most == 0) return values;
+  const Eigen::MatrixXd features = window_features(clip.basis, window.length, most, samples).transpose();
+  const double scale = weight_scale(clip.step_exponent, window.length);
+  if (static_cast<double>(parameters) * most * static_cast<double>(samples) > worth_a_product) {
+    Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(most, parameters);
+    for (const LevelWeight& weight : window.weights)
+      weights(weight.feature - 1, weight.parameter) = weight.level * steps.slot(weight.parameter) * scale;
+    values.noalias() += features * weights;
+    return values;
+  }
+  for (const LevelWeight& weight : window.weights)
+    values.col(weight.parameter) +=
+        weight.level * steps.slot(weight.parameter) * scale * features.col(weight.feature - 1);
+  return values;
+}
+
+}  // namespace
+
+Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples,
+                                 int threads) {
+  Eigen::MatrixXd values(steps.slot.size(), samples);
+  parallel_for(clip.windows.size(), threads, [&](std::size_t w) {
     const LevelWindow& window = clip.windows[w];
     const auto first = static_cast<Eigen::Index>(window.begin);
     const Eigen::Index count =
         w + 1 == clip.windows.size() ? samples - first : static_cast<Eigen::Index>(window.length);
-    const std::size_t row = clip.basis == Basis::cosine ? 0 : w;
-    const std::size_t next = clip.basis == Basis::cosine ? 0 : w + 1;
-    Eigen::MatrixXd ends(parameters, 2);
-    for (Eigen::Index i = 0; i < parameters; ++i) {
-      const auto p = static_cast<std::size_t>(parameters), k = static_cast<std::size_t>(i);
-      ends(i, 0) = clip.anchors[row * p + k] * steps.anchor(i);
-      ends(i, 1) = clip.anchors[next * p + k] * steps.anchor(i);
-    }
-    values.middleCols(first, count) = ends * anchor_shares(clip.basis, window.length, count);
-    int most = 0;
-    for (const LevelWeight& weight : window.weights) most = std::max(most, weight.feature);
-    if (most == 0) continue;
-    const Eigen::MatrixXd features = window_features(clip.basis, window.length, most, count);
-    const double scale = weight_scale(clip.step_exponent, window.length);
-    if (static_cast<double>(parameters) * most * static_cast<double>(count) > worth_a_product) {
-      Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(parameters, most);
-      for (const LevelWeight& weight : window.weights)
-        weights(weight.parameter, weight.feature - 1) = weight.level * steps.slot(weight.parameter) * scale;
-      values.middleCols(first, count).noalias() += weights * features;
-      continue;
-    }
-    for (const LevelWeight& weight : window.weights)
-      values.row(weight.parameter).segment(first, count) +=
-          weight.level * steps.slot(weight.parameter) * scale * features.row(weight.feature - 1);
-  }
+    values.middleCols(first, count) = window_values(clip, steps, w, count).transpose();
+  });
   for (const LevelAtom& atom : clip.atoms) add_atom_values(atom, clip, steps, values);
   if (steps.given.size() > 0) values += steps.given;
   return values;

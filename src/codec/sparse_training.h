@@ -70,6 +70,7 @@ TrainedClip train_sparse(const TrainingInput& input, MotionMap& map, const Spars
 std::int32_t fixed_level(const ClipLayout& layout, const ParameterSteps& steps, Eigen::Index parameter);
 
 /// The parameters (parameters x samples) that levels stand for.
-Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples);
+Eigen::MatrixXd values_of_levels(const LevelClip& clip, const ParameterSteps& steps, Eigen::Index samples,
+                                 int threads = 1);
 
 }  // namespace nmc::codec

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "motion/index.h"
 
@@ -13,6 +14,9 @@ namespace nmc::motion {
 namespace {
 
 constexpr std::size_t cluster_points = 24;
+
+/// Halvings from a cluster of clusters to the next smaller ones.
+constexpr int halvings = 3;
 
 /// Covers the rounding of the bound itself.
 constexpr double bound_slack = 1.0 + 1e-9;
@@ -66,7 +70,7 @@ PointSearch::PointSearch(const Points& points) {
   std::stable_sort(index_.begin(), index_.end(), [&](int a, int b) { return leading_node(a) < leading_node(b); });
   for (std::size_t first = 0, last = 0; first < index_.size(); first = last) {
     while (last < index_.size() && leading_node(index_[last]) == leading_node(index_[first])) ++last;
-    split(points, leading, first, last);
+    split(points, leading, first, last, 0);
   }
   for (const int p : index_) {
     first_.push_back(influences_.size());
@@ -78,26 +82,32 @@ PointSearch::PointSearch(const Points& points) {
   first_.push_back(influences_.size());
 }
 
-void PointSearch::split(const Points& points, const std::vector<int>& leading, std::size_t first, std::size_t last) {
-  if (last - first <= cluster_points) return add_cluster(points, first, last);
-  const auto offset = [&](int p) { return offset_of(points.influences[at(leading[at(p)])]); };
-  glm::dvec3 low = offset(index_[first]), high = low;
-  for (std::size_t i = first; i < last; ++i) {
-    low = glm::min(low, offset(index_[i]));
-    high = glm::max(high, offset(index_[i]));
+void PointSearch::split(const Points& points, const std::vector<int>& leading, std::size_t first, std::size_t last,
+                        int depth) {
+  const std::size_t cluster = clusters_.size();
+  const bool is_leaf = last - first <= cluster_points;
+  if (is_leaf || depth % halvings == 0) add_cluster(points, first, last);
+  if (!is_leaf) {
+    const auto offset = [&](int p) { return offset_of(points.influences[at(leading[at(p)])]); };
+    glm::dvec3 low = offset(index_[first]), high = low;
+    for (std::size_t i = first; i < last; ++i) {
+      low = glm::min(low, offset(index_[i]));
+      high = glm::max(high, offset(index_[i]));
+    }
+    const glm::dvec3 side = high - low;
+    const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+    const auto place = [&](std::size_t i) { return index_.begin() + static_cast<std::ptrdiff_t>(i); };
+    // What is not a number would break the ordering.
+    const auto key = [&](int p) {
+      const double x = offset(p)[axis];
+      return std::pair(std::isnan(x) ? -infinity : x, p);
+    };
+    const std::size_t middle = first + (last - first) / 2;
+    std::nth_element(place(first), place(middle), place(last), [&](int a, int b) { return key(a) < key(b); });
+    split(points, leading, first, middle, depth + 1);
+    split(points, leading, middle, last, depth + 1);
   }
-  const glm::dvec3 side = high - low;
-  const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-  const auto place = [&](std::size_t i) { return index_.begin() + static_cast<std::ptrdiff_t>(i); };
-  // What is not a number would break the ordering.
-  const auto key = [&](int p) {
-    const double x = offset(p)[axis];
-    return std::isnan(x) ? -infinity : x;
-  };
-  const std::size_t middle = first + (last - first) / 2;
-  std::stable_sort(place(first), place(last), [&](int a, int b) { return key(a) < key(b); });
-  split(points, leading, first, middle);
-  split(points, leading, middle, last);
+  if (is_leaf || depth % halvings == 0) clusters_[cluster].next = clusters_.size();
 }
 
 void PointSearch::add_cluster(const Points& points, std::size_t first, std::size_t last) {
@@ -107,7 +117,7 @@ void PointSearch::add_cluster(const Points& points, std::size_t first, std::size
     glm::dvec3 center() const { return 0.5 * (low + high); }
   };
   std::map<int, Extent> extents;
-  Cluster cluster{first, last, spheres_.size(), spheres_.size(), 0.0};
+  Cluster cluster{first, last, spheres_.size(), spheres_.size(), 0.0, 0};
   const auto for_each_influence = [&](const auto& visit) {
     for (std::size_t i = first; i < last; ++i) {
       for (std::uint32_t k = points.first[at(index_[i])]; k < points.first[at(index_[i]) + 1]; ++k)
@@ -138,15 +148,14 @@ void PointSearch::add_cluster(const Points& points, std::size_t first, std::size
   clusters_.push_back(cluster);
 }
 
-double PointSearch::bound(const Cluster& cluster, std::span<const glm::dmat4> difference) const {
+double PointSearch::bound(const Cluster& cluster, std::span<const glm::dmat4> difference,
+                          std::span<const double> norms) const {
   double sum = 0.0, largest = 0.0;
   for (std::size_t i = cluster.first_sphere; i < cluster.last_sphere; ++i) {
     const Sphere& sphere = spheres_[i];
-    const glm::dmat4& d = difference[at(sphere.node)];
     glm::dvec4 moved(0.0);
-    accumulate(moved, d, sphere.center);
-    const double norm = std::sqrt(squared(d[0]) + squared(d[1]) + squared(d[2]));
-    const double reach = std::sqrt(squared(moved)) + norm * sphere.radius;
+    accumulate(moved, difference[at(sphere.node)], sphere.center);
+    const double reach = std::sqrt(squared(moved)) + norms[at(sphere.node)] * sphere.radius;
     sum += sphere.weight * reach;
     largest = std::max(largest, reach);
   }
@@ -168,12 +177,20 @@ void PointSearch::raise_in(std::size_t c, std::span<const glm::dmat4> difference
 
 void PointSearch::raise(std::span<const glm::dmat4> difference, WorstPoint& worst) const {
   const std::size_t start = worst.cluster;
-  const auto visit = [&](std::size_t c) {
-    if (bound(clusters_[c], difference) > worst.error) raise_in(c, difference, worst);
-  };
-  if (start < clusters_.size()) visit(start);
-  for (std::size_t c = 0; c < clusters_.size(); ++c) {
-    if (c != start) visit(c);
+  std::vector<double> norms(difference.size());
+  std::transform(difference.begin(), difference.end(), norms.begin(),
+                 [](const glm::dmat4& d) { return std::sqrt(squared(d[0]) + squared(d[1]) + squared(d[2])); });
+  const auto is_leaf = [&](std::size_t c) { return clusters_[c].next == c + 1; };
+  const auto may_raise = [&](std::size_t c) { return bound(clusters_[c], difference, norms) > worst.error; };
+  const bool has_start = start < clusters_.size() && is_leaf(start);
+  if (has_start && may_raise(start)) raise_in(start, difference, worst);
+  for (std::size_t c = 0; c < clusters_.size();) {
+    if (!may_raise(c)) {
+      c = clusters_[c].next;
+      continue;
+    }
+    if (is_leaf(c) && !(has_start && c == start)) raise_in(c, difference, worst);
+    ++c;
   }
 }
 

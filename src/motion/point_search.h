@@ -18,8 +18,8 @@ struct WorstPoint {
   std::size_t cluster = 0;  ///< where to look first: the worst place moves slowly
 };
 
-/// Points in small clusters of neighbours, each with spheres around its offsets that bound how far any of its points
-/// can be moved.
+/// Points in small clusters of neighbours, and these in larger ones, each with spheres around its offsets that bound
+/// how far any of its points can be moved.
 class PointSearch {
  public:
   explicit PointSearch(const Points& points);
@@ -39,15 +39,18 @@ class PointSearch {
     glm::dvec4 center{0.0};
     double radius = 0.0;
   };
+  /// Those within a larger one follow it.
   struct Cluster {
     std::size_t first_point = 0, last_point = 0;    ///< into index_ and first_
     std::size_t first_sphere = 0, last_sphere = 0;  ///< into spheres_
     double weight = 0.0;                            ///< largest sum of absolute weights of a point
+    std::size_t next = 0;                           ///< the first cluster after this one and those within it
   };
 
-  void split(const Points& points, const std::vector<int>& leading, std::size_t first, std::size_t last);
+  void split(const Points& points, const std::vector<int>& leading, std::size_t first, std::size_t last, int depth);
   void add_cluster(const Points& points, std::size_t first, std::size_t last);
-  double bound(const Cluster& cluster, std::span<const glm::dmat4> difference) const;
+  /// `norms`: of the difference's linear parts.
+  double bound(const Cluster& cluster, std::span<const glm::dmat4> difference, std::span<const double> norms) const;
   void raise_in(std::size_t cluster, std::span<const glm::dmat4> difference, WorstPoint& worst) const;
 
   std::vector<int> index_;          ///< points in the order of the clusters
