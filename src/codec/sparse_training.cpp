@@ -314,12 +314,19 @@ class Trainer {
     });
   }
 
+  /// Features up to the last one with a level that does not round to zero.
+  template <typename Levels>
+  static Eigen::Index used_features(const Eigen::MatrixBase<Levels>& levels) {
+    Eigen::Index used = levels.cols();
+    while (used > 0 && levels.col(used - 1).cwiseAbs().maxCoeff() < 0.5f) --used;
+    return used;
+  }
+
   void find_reach(Window& window) const {
     const Weights& levels = window.weights.level;
     window.reach.resize(static_cast<std::size_t>(parameters_));
     for (Eigen::Index i = 0; i < parameters_; ++i) {
-      Eigen::Index used = levels.cols();
-      while (used > 0 && std::abs(levels(i, used - 1)) < 0.5f) --used;
+      const Eigen::Index used = used_features(levels.row(i));
       window.reach[static_cast<std::size_t>(i)] = std::min(levels.cols(), used + used / 4 + 8);
     }
   }
@@ -383,9 +390,7 @@ class Trainer {
   /// The fastest features hardly ever come back once no parameter uses them.
   void drop_unused_features() {
     for (Window& window : windows_) {
-      const Weights& levels = window.weights.level;
-      Eigen::Index count = levels.cols();
-      while (count > 0 && levels.col(count - 1).cwiseAbs().maxCoeff() < 0.5f) --count;
+      const Eigen::Index count = used_features(window.weights.level);
       window.weights.shorten(count);
       for (Curves& features : window.features) features = features.topRows(count).eval();
     }

@@ -46,7 +46,7 @@ class PointSearchTest : public ::testing::Test {
 };
 
 TEST_F(PointSearchTest, FindsWhatLookingAtAllFinds) {
-  for (const int count : {1, 5, 24, 25, 300, 3000}) {
+  for (const int count : {1, 5, 24, 25, 300, 3000, 20000}) {
     const Points points = random_points(count);
     const PointSearch search(points);
     WorstPoint running;
