@@ -84,30 +84,37 @@ PointSearch::PointSearch(const Points& points) {
 
 void PointSearch::split(const Points& points, const std::vector<int>& leading, std::size_t first, std::size_t last,
                         int depth) {
-  const std::size_t cluster = clusters_.size();
   const bool is_leaf = last - first <= cluster_points;
-  if (is_leaf || depth % halvings == 0) add_cluster(points, first, last);
+  const bool is_cluster = is_leaf || depth % halvings == 0;
+  const std::size_t cluster = clusters_.size();
+  if (is_cluster) add_cluster(points, first, last);
   if (!is_leaf) {
-    const auto offset = [&](int p) { return offset_of(points.influences[at(leading[at(p)])]); };
-    glm::dvec3 low = offset(index_[first]), high = low;
-    for (std::size_t i = first; i < last; ++i) {
-      low = glm::min(low, offset(index_[i]));
-      high = glm::max(high, offset(index_[i]));
-    }
-    const glm::dvec3 side = high - low;
-    const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-    const auto place = [&](std::size_t i) { return index_.begin() + static_cast<std::ptrdiff_t>(i); };
-    // What is not a number would break the ordering.
-    const auto key = [&](int p) {
-      const double x = offset(p)[axis];
-      return std::pair(std::isnan(x) ? -infinity : x, p);
-    };
-    const std::size_t middle = first + (last - first) / 2;
-    std::nth_element(place(first), place(middle), place(last), [&](int a, int b) { return key(a) < key(b); });
+    const std::size_t middle = halve(points, leading, first, last);
     split(points, leading, first, middle, depth + 1);
     split(points, leading, middle, last, depth + 1);
   }
-  if (is_leaf || depth % halvings == 0) clusters_[cluster].next = clusters_.size();
+  if (is_cluster) clusters_[cluster].next = clusters_.size();
+}
+
+std::size_t PointSearch::halve(const Points& points, const std::vector<int>& leading, std::size_t first,
+                               std::size_t last) {
+  const auto offset = [&](int p) { return offset_of(points.influences[at(leading[at(p)])]); };
+  glm::dvec3 low = offset(index_[first]), high = low;
+  for (std::size_t i = first; i < last; ++i) {
+    low = glm::min(low, offset(index_[i]));
+    high = glm::max(high, offset(index_[i]));
+  }
+  const glm::dvec3 side = high - low;
+  const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+  const auto place = [&](std::size_t i) { return index_.begin() + static_cast<std::ptrdiff_t>(i); };
+  // What is not a number would break the ordering.
+  const auto key = [&](int p) {
+    const double x = offset(p)[axis];
+    return std::pair(std::isnan(x) ? -infinity : x, p);
+  };
+  const std::size_t middle = first + (last - first) / 2;
+  std::nth_element(place(first), place(middle), place(last), [&](int a, int b) { return key(a) < key(b); });
+  return middle;
 }
 
 void PointSearch::add_cluster(const Points& points, std::size_t first, std::size_t last) {

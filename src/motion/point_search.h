@@ -48,6 +48,8 @@ class PointSearch {
   };
 
   void split(const Points& points, const std::vector<int>& leading, std::size_t first, std::size_t last, int depth);
+  /// Orders points of index_ along their longest side as far as that halves them; returns where the second half begins.
+  std::size_t halve(const Points& points, const std::vector<int>& leading, std::size_t first, std::size_t last);
   void add_cluster(const Points& points, std::size_t first, std::size_t last);
   /// `norms`: of the difference's linear parts.
   double bound(const Cluster& cluster, std::span<const glm::dmat4> difference, std::span<const double> norms) const;
